@@ -1,0 +1,45 @@
+# tandem_module(NAME core|math|... FOLDER rel SOURCES ... HEADERS ... PUBLIC targets PRIVATE targets)
+# One folder of src/tandem is one target tandem::<name>: its public headers are a file set, checked
+# to compile alone, and its warnings are errors.
+function(tandem_module)
+  cmake_parse_arguments(M "" "NAME;FOLDER" "SOURCES;HEADERS;PUBLIC;PRIVATE;PRIVATE_INCLUDES" ${ARGN})
+  if(NOT M_FOLDER)
+    set(M_FOLDER ${M_NAME})
+  endif()
+  set(target tandem_${M_NAME})
+  set(folder ${PROJECT_SOURCE_DIR}/src/tandem/${M_FOLDER})
+  list(TRANSFORM M_SOURCES PREPEND ${folder}/)
+  list(TRANSFORM M_HEADERS PREPEND ${folder}/)
+  if(M_SOURCES)
+    add_library(${target} STATIC)
+    set(scope PUBLIC)
+    target_compile_options(${target} PRIVATE ${TANDEM_WARNINGS})
+    target_sources(${target} PRIVATE ${M_SOURCES})
+    target_link_libraries(${target} PUBLIC ${M_PUBLIC} PRIVATE ${M_PRIVATE})
+    # Third-party headers are not ours to warn about.
+    target_include_directories(${target} SYSTEM PRIVATE ${M_PRIVATE_INCLUDES})
+  else()
+    add_library(${target} INTERFACE)
+    set(scope INTERFACE)
+    target_link_libraries(${target} INTERFACE ${M_PUBLIC})
+  endif()
+  add_library(tandem::${M_NAME} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${M_NAME} VERIFY_INTERFACE_HEADER_SETS ON)
+  target_compile_features(${target} ${scope} cxx_std_23)
+  target_sources(${target} ${scope} FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/src
+                 FILES ${M_HEADERS})
+  install(TARGETS ${target} EXPORT tandemTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+          FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+endfunction()
+
+# tandem_test(NAME x SOURCES ... LINK targets): one test program, its cases found by CTest.
+function(tandem_test)
+  cmake_parse_arguments(T "" "NAME" "SOURCES;LINK" ${ARGN})
+  add_executable(${T_NAME} ${T_SOURCES})
+  target_compile_options(${T_NAME} PRIVATE ${TANDEM_WARNINGS})
+  target_include_directories(${T_NAME} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_link_libraries(${T_NAME} PRIVATE ${T_LINK} GTest::gtest GTest::gtest_main)
+  target_compile_definitions(${T_NAME} PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  gtest_discover_tests(${T_NAME} TEST_PREFIX ${T_NAME}. PROPERTIES TIMEOUT 600
+                       DISCOVERY_TIMEOUT 60)
+endfunction()

@@ -1,0 +1,1 @@
+#include "tandem/collision/checker.h"

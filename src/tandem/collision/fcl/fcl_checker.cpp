@@ -1,0 +1,1 @@
+#include "tandem/collision/fcl/fcl_checker.h"

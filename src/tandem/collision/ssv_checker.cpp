@@ -1,0 +1,1 @@
+#include "tandem/collision/ssv_checker.h"

@@ -1,0 +1,45 @@
+#pragma once
+/// Collision checks on swept sphere volumes.
+
+#include "tandem/collision/checker.h"
+
+namespace tandem::collision {
+
+/// Bounding spheres first, then the cores. The scalar reference of the batch path.
+class SsvChecker final : public CollisionChecker {
+ public:
+  explicit SsvChecker(std::shared_ptr<const world::Workcell> cell);
+  ~SsvChecker() override;
+
+  const world::Workcell& cell() const override { return *cell_; }
+  std::unique_ptr<CollisionChecker::Scratch> make_scratch() const override;
+  bool is_free(const Eigen::Ref<const Eigen::VectorXd>& q, const world::PairSelection& selection,
+               CollisionChecker::Scratch& scratch) const override;
+  PairClearance least_clearance(const Eigen::Ref<const Eigen::VectorXd>& q,
+                                const world::PairSelection& selection,
+                                CollisionChecker::Scratch& scratch) const override;
+  void clearances(const Eigen::Ref<const Eigen::VectorXd>& q,
+                  const world::PairSelection& selection, double within,
+                  CollisionChecker::Scratch& scratch,
+                  std::vector<PairClearance>& out) const override;
+
+  /// Places the cell at q; the pair queries below refer to it.
+  void place(const Eigen::Ref<const Eigen::VectorXd>& q, CollisionChecker::Scratch& scratch) const;
+  /// Distance of one pair at the placed q, exact where it is below `needed`; where bounding
+  /// spheres already prove more than `needed`, that lower bound.
+  double pair_distance(int pair, double needed, CollisionChecker::Scratch& scratch) const;
+
+  /// How far, at most, a point of body `b` moves per unit motion of entry j of q, over all
+  /// configurations inside the joint limits [m/rad or -]; 0 for joints that do not move it.
+  /// Ref: methods, "Continuous-time certificate".
+  double lever_arm(int body, int j) const { return lever_arms_(body, j); }
+
+ private:
+  class Scratch;
+  std::shared_ptr<const world::Workcell> cell_;
+  Eigen::MatrixXd lever_arms_;  // bodies x dof
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tandem::collision

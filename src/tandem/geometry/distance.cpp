@@ -1,0 +1,1 @@
+#include "tandem/geometry/distance.h"

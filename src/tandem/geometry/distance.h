@@ -1,0 +1,25 @@
+#pragma once
+/// Signed distance between convex shapes, with witness points and normal.
+
+#include "tandem/geometry/shape.h"
+
+namespace tandem::geometry {
+
+/// Nearest approach of shapes A and B.
+struct Clearance {
+  double distance;            ///< [m] signed; negative is the depth, the least translation apart.
+  Eigen::Vector3d nhat_BA_W;  ///< [-] unit; moving A along it increases `distance`.
+  Eigen::Vector3d p_WCa;      ///< [m] witness point on the surface of A.
+  Eigen::Vector3d p_WCb;      ///< [m] on B: p_WCa - p_WCb = distance * nhat_BA_W.
+};
+
+/// Clearance of two shapes in W, for every pair of core types.
+/// Point, segment, triangle, rectangle and box cores: exact to rounding. Cylinders: to 1e-9 m
+/// apart, to 1e-6 m in penetration. Where cores touch, the normal is that of least translation.
+/// Never fails, allocates nothing for non-cylinders.
+Clearance clearance(const Shape& a_W, const Shape& b_W);
+
+/// Distance of a point to a shape's surface [m], negative inside.
+double distance_to_point(const Shape& a_W, const Eigen::Vector3d& p_W);
+
+}  // namespace tandem::geometry

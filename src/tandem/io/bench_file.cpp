@@ -1,0 +1,1 @@
+#include "tandem/io/bench_file.h"

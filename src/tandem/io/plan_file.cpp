@@ -1,0 +1,1 @@
+#include "tandem/io/plan_file.h"

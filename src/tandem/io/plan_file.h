@@ -1,0 +1,39 @@
+#pragma once
+/// Plan files: JSON and CSV. The schema is docs/schemas.md.
+
+#include <filesystem>
+#include <string>
+
+#include "tandem/pipeline/plan.h"
+
+namespace tandem::io {
+
+/// What a plan file holds once read back.
+struct PlanFile {
+  std::filesystem::path workcell;  ///< Resolved against the plan file's folder.
+  std::string query, strategy, preset;
+  std::uint64_t seed = 0;
+  std::vector<std::string> arms;
+  std::vector<std::vector<std::string>> joints;  ///< By arm, cell names.
+  Eigen::VectorXd start, goal;
+  motion::CellMotion trajectory;
+};
+
+/// Writes atomically (a temporary file, then a rename). `workcell` is stored relative to the plan
+/// file where possible.   @return kIo; kInvalidInput if `file` exists and `overwrite` is false.
+Result<void> save_plan(const std::filesystem::path& file, const pipeline::Plan& plan,
+                       const world::Workcell& cell, bool overwrite = false);
+/// @return kNotFound, kIo, or kInvalidInput naming file, key, value and what was expected.
+Result<PlanFile> load_plan(const std::filesystem::path& file);
+
+/// Rows of t, then q, qd, qdd per joint, at `rate` [Hz] and once more at the end; header names
+/// them. Same errors as save_plan.
+Result<void> save_csv(const std::filesystem::path& file, const motion::Motion& motion,
+                      const std::vector<std::string>& joint_names, double rate,
+                      bool overwrite = false);
+
+/// Writes `text` to `file` atomically; kInvalidInput if it exists and `overwrite` is false.
+Result<void> write_file(const std::filesystem::path& file, const std::string& text,
+                        bool overwrite);
+
+}  // namespace tandem::io

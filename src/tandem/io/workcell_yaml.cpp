@@ -1,0 +1,1 @@
+#include "tandem/io/workcell_yaml.h"

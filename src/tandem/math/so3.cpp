@@ -1,0 +1,1 @@
+#include "tandem/math/so3.h"

@@ -1,0 +1,1 @@
+#include "tandem/math/tridiagonal.h"

@@ -1,0 +1,1 @@
+#include "tandem/motion/joint_path.h"

@@ -1,0 +1,1 @@
+#include "tandem/motion/motion.h"

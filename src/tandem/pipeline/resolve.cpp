@@ -1,0 +1,1 @@
+#include "tandem/pipeline/plan.h"

@@ -1,0 +1,1 @@
+#include "tandem/planning/ompl/ompl_planning.h"

@@ -1,0 +1,1 @@
+#include "tandem/planning/validity.h"

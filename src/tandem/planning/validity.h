@@ -1,0 +1,42 @@
+#pragma once
+/// What a path planner may ask of the world.
+
+#include <functional>
+#include <memory>
+
+#include "tandem/collision/certificate.h"
+#include "tandem/collision/checker.h"
+
+namespace tandem::planning {
+
+/// Cost of the questions asked so far.
+struct ValidityStats {
+  long states = 0;
+  long edges = 0;
+  double seconds = 0;  ///< Wall time inside checks [s].
+};
+
+/// Validity of configurations and straight edges. One object per thread.
+class Validity {
+ public:
+  virtual ~Validity() = default;
+  virtual bool state(const Eigen::VectorXd& q) = 0;
+  /// The edge from a to b, both ends included.
+  virtual bool edge(const Eigen::VectorXd& a, const Eigen::VectorXd& b) = 0;
+  virtual const ValidityStats& stats() const = 0;
+};
+
+/// Checks an edge at points at most `resolution` apart in the sum of joint distances (L1) [rad].
+/// This is the paper's local planner: collisions between samples go unseen.
+std::unique_ptr<Validity> make_sampled_validity(const collision::CollisionChecker& checker,
+                                                world::PairSelection selection, double resolution);
+
+/// Accepts an edge only with the continuous-time certificate.
+std::unique_ptr<Validity> make_certified_validity(const collision::SsvChecker& checker,
+                                                  world::PairSelection selection,
+                                                  const collision::CertificateOptions& options = {});
+
+/// The paper's extent of a planning space: the sum of joint ranges [rad].
+double l1_extent(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
+
+}  // namespace tandem::planning

@@ -1,0 +1,1 @@
+#include "tandem/robot/inverse_kinematics.h"

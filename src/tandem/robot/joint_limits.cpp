@@ -1,0 +1,1 @@
+#include "tandem/robot/joint_limits.h"

@@ -1,0 +1,1 @@
+#include "tandem/robot/kinematics.h"

@@ -1,0 +1,1 @@
+#include "tandem/robot/model.h"

@@ -1,0 +1,21 @@
+#pragma once
+/// URDF reader.
+
+#include <filesystem>
+
+#include "tandem/robot/model.h"
+#include "tandem/robot/package_path.h"
+
+namespace tandem::robot {
+
+/// Reads revolute, continuous, prismatic, fixed and mimic joints, limits, inertials, and box,
+/// sphere, cylinder and mesh geometry. A mesh whose package is not found keeps an empty path:
+/// whoever needs the mesh reports it.
+/// @return kNotFound or kIo for the file; kInvalidInput naming file, line where known, element and
+/// value; kUnsupported for floating and planar joints.
+Result<Model> load_urdf(const std::filesystem::path& file, const PackagePath& packages = {});
+/// Same from text; `origin` stands for the file in messages, `base` resolves relative meshes.
+Result<Model> parse_urdf(const std::string& text, const std::string& origin,
+                         const std::filesystem::path& base, const PackagePath& packages = {});
+
+}  // namespace tandem::robot

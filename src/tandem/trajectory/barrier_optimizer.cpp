@@ -1,0 +1,1 @@
+#include "tandem/trajectory/time_optimizer.h"

@@ -1,0 +1,40 @@
+#pragma once
+/// Exact limit check of a piecewise cubic.
+
+#include <string>
+#include <vector>
+
+#include "tandem/core/result.h"
+#include "tandem/motion/piecewise_cubic.h"
+#include "tandem/robot/model.h"
+
+namespace tandem::trajectory {
+
+/// Largest absolute values over the whole motion, per joint; exact (knots, segment ends and the
+/// stationary points of every cubic).
+struct Extremes {
+  Eigen::VectorXd lowest, highest;              ///< Position.
+  Eigen::VectorXd velocity, acceleration, jerk;  ///< Largest absolute value.
+};
+Extremes extremes(const motion::PiecewiseCubic& motion);
+
+enum class LimitKind { kPosition, kVelocity, kAcceleration, kJerk };
+
+struct LimitViolation {
+  int joint = -1;
+  LimitKind kind = LimitKind::kPosition;
+  double value = 0, limit = 0;
+};
+
+/// Violations beyond `tolerance` (relative to the limit; absolute for positions), worst first.
+std::vector<LimitViolation> check_limits(const motion::PiecewiseCubic& motion,
+                                         const std::vector<robot::JointLimits>& limits,
+                                         double tolerance = 1e-6);
+
+/// "velocity of left/panda_joint2 reaches 2.3 rad/s, its limit is 2.175"
+std::string describe(const LimitViolation& violation, const std::vector<std::string>& joint_names);
+
+/// Factor by which time must be stretched so that velocity, acceleration and jerk hold (1 = just).
+double stretch_factor(const Extremes& extremes, const std::vector<robot::JointLimits>& limits);
+
+}  // namespace tandem::trajectory

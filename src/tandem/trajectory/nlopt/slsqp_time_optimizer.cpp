@@ -1,0 +1,1 @@
+#include "tandem/trajectory/nlopt/slsqp_time_optimizer.h"

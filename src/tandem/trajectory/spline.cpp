@@ -1,0 +1,1 @@
+#include "tandem/trajectory/spline.h"

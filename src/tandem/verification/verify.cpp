@@ -1,0 +1,1 @@
+#include "tandem/verification/verify.h"

@@ -1,0 +1,225 @@
+#pragma once
+/// The cell: placed robots, named arms, obstacles, attached objects, allowed pairs, queries.
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "tandem/geometry/shape.h"
+#include "tandem/robot/kinematics.h"
+#include "tandem/robot/model.h"
+#include "tandem/robot/srdf.h"
+
+namespace tandem::world {
+
+/// A robot and where it stands. In the cell's model its names get the prefix "NAME/".
+struct RobotSpec {
+  std::string name;
+  robot::Model model;
+  robot::Semantics semantics;
+  Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();  ///< Pose of the model's root link.
+  /// Swept sphere volumes by link name, in L. A link without an entry gets its URDF primitives
+  /// (spheres, boxes, cylinders); a mesh without an entry is an error.
+  std::map<std::string, std::vector<geometry::Shape>> volumes;
+  /// Values of joints that no arm moves, by joint name [rad or m]; others stand at 0, clamped
+  /// into their limits.
+  std::map<std::string, double> fixed_positions;
+};
+
+struct ArmSpec {
+  std::string name;
+  std::string robot;
+  std::string group;  ///< SRDF group whose movable joints the arm owns.
+  std::string tip;    ///< Link name; empty: the group's tip.
+  Eigen::Isometry3d X_LE = Eigen::Isometry3d::Identity();  ///< Tool frame in the tip link.
+};
+
+struct ObstacleSpec {
+  std::string name;
+  std::vector<geometry::Shape> shapes_W;
+};
+
+/// Geometry carried by a link, rigidly.
+struct AttachedSpec {
+  std::string name;
+  std::string link;  ///< Cell name, e.g. "left/panda_hand".
+  std::vector<geometry::Shape> shapes_L;
+  std::vector<std::string> touching;  ///< Bodies it may touch, besides its own link.
+};
+
+/// Bodies that may touch, by body name: "left/panda_link5", an obstacle or an attached object.
+struct AllowedPair {
+  std::string a, b;
+  std::string reason;
+};
+
+/// Where an arm shall go: joint values in arm order, a named state of its group, or a tool pose.
+struct JointGoal {
+  Eigen::VectorXd q;  ///< [rad or m]
+};
+struct StateGoal {
+  std::string name;
+};
+struct PoseGoal {
+  Eigen::Isometry3d X_WE = Eigen::Isometry3d::Identity();
+};
+using ArmGoal = std::variant<JointGoal, StateGoal, PoseGoal>;
+
+/// One motion. An arm without a goal stays where it starts.
+struct Query {
+  std::string name;
+  std::vector<std::optional<ArmGoal>> start;  ///< By arm; empty: the goal of the query before.
+  std::vector<std::optional<ArmGoal>> goal;   ///< By arm.
+};
+
+struct QuerySpec {
+  std::string name;
+  std::map<std::string, ArmGoal> start, goal;  ///< By arm name.
+};
+
+/// Everything that makes a cell, unchecked.
+struct WorkcellSpec {
+  std::string name;
+  std::filesystem::path file;  ///< Where it was read from; empty if built in memory.
+  std::vector<RobotSpec> robots;
+  std::vector<ArmSpec> arms;
+  std::vector<ObstacleSpec> obstacles;
+  std::vector<AttachedSpec> attached;
+  std::vector<AllowedPair> allowed;
+  double padding = 0;  ///< [m] >= 0, swept around every robot link and attached object.
+  std::map<std::string, double> body_padding;  ///< [m] by body name, instead of `padding`.
+  std::vector<QuerySpec> queries;
+};
+
+/// One bit per arm.
+using ArmMask = std::uint32_t;
+
+struct Arm {
+  std::string name;
+  int robot;                          ///< Index into robots().
+  std::string group;
+  std::vector<int> joints;            ///< Of the cell's model, base first.
+  std::vector<int> columns;           ///< Their entries in a position vector.
+  int tip_link;                       ///< Link L of the cell's model.
+  Eigen::Isometry3d X_LE;             ///< Tool frame.
+  int offset;                         ///< First entry in the cell's q.
+  int dof() const { return static_cast<int>(joints.size()); }
+};
+
+/// Rigid geometry that moves with one link.
+struct Body {
+  std::string name;
+  int link;                              ///< Of the cell's model; 0 is the world.
+  std::vector<geometry::Shape> shapes_L;  ///< Unpadded.
+  double padding;                        ///< [m]
+  ArmMask moved_by;                      ///< Arms that can move it; 0 stands still.
+  enum class Kind { kRobotLink, kObstacle, kAttached } kind;
+};
+
+/// Two bodies that must not touch; indices into bodies(), a < b.
+struct BodyPair {
+  int a, b;
+  ArmMask moved_by;  ///< Union of the bodies' masks, never 0.
+};
+
+/// A pair that is not checked, and why: for people.
+struct SkippedPair {
+  int a, b;
+  std::string reason;
+};
+
+/// Which pairs a question is about, by who moves.
+struct PairScope {
+  /// Every pair of the cell.
+  static PairScope all() { return {}; }
+  /// Arm i alone: with the world, itself and the arms in `standing`.
+  static PairScope arm(int i, ArmMask standing = 0);
+  /// Pairs that both arm i and arm j can move.
+  static PairScope between(int i, int j);
+
+  ArmMask required = 0;          ///< Arms that must be able to move the pair...
+  ArmMask permitted = ~ArmMask{0};  ///< ...and those that may.
+};
+
+/// Indices into pairs().
+using PairSelection = std::vector<int>;
+
+/// Immutable; share it between threads as shared_ptr<const Workcell>.
+/// A configuration q of the cell stacks the joints of all arms in arm order.
+class Workcell {
+ public:
+  /// Merges, resolves and checks a spec.
+  /// @return kInvalidInput or kNotFound naming the entry, its value and the remedy: names that do
+  /// not exist (with the nearest one that does) or exist twice, arms that share joints, joints
+  /// without velocity or acceleration limit, joint goals of the wrong size.
+  static Result<std::shared_ptr<const Workcell>> make(WorkcellSpec spec);
+
+  const std::string& name() const { return spec_.name; }
+  const WorkcellSpec& spec() const { return spec_; }
+  const robot::Model& model() const { return model_; }
+
+  const std::vector<Arm>& arms() const { return arms_; }
+  int find_arm(std::string_view name) const;  ///< -1 if there is none.
+  int dof() const { return dof_; }
+  const Eigen::VectorXd& lower() const { return lower_; }
+  const Eigen::VectorXd& upper() const { return upper_; }
+  /// Limits by entry of q.
+  const std::vector<robot::JointLimits>& limits() const { return limits_; }
+  /// Joint names by entry of q, e.g. "left/panda_joint1".
+  const std::vector<std::string>& joint_names() const { return joint_names_; }
+
+  const std::vector<Body>& bodies() const { return bodies_; }
+  int find_body(std::string_view name) const;  ///< -1 if there is none.
+  const std::vector<BodyPair>& pairs() const { return pairs_; }
+  const std::vector<SkippedPair>& skipped_pairs() const { return skipped_pairs_; }
+  PairSelection select(const PairScope& scope) const;
+  /// "left/panda_link5 and box_wall_1"
+  std::string describe_pair(int pair) const;
+
+  /// Model positions of configuration q: arm joints from q, all others fixed.
+  /// `positions` is resized on first use.
+  void positions(const Eigen::Ref<const Eigen::VectorXd>& q, Eigen::VectorXd& positions) const;
+  /// Poses of all links at q; `positions` is scratch.
+  void forward_kinematics(const Eigen::Ref<const Eigen::VectorXd>& q, Eigen::VectorXd& positions,
+                          robot::LinkPoses& X_WL) const;
+  /// Tool pose of arm i from link poses.
+  Eigen::Isometry3d tool_pose(int arm, const robot::LinkPoses& X_WL) const {
+    const Arm& a = arms_[static_cast<std::size_t>(arm)];
+    return X_WL[static_cast<std::size_t>(a.tip_link)] * a.X_LE;
+  }
+
+  const std::vector<Query>& queries() const { return queries_; }
+  /// Throws ContractViolation if there is none; ask `find_query` about names from outside.
+  const Query& query(std::string_view name) const;
+  Result<const Query*> find_query(std::string_view name) const;  ///< kNotFound, nearest name.
+  /// Joint values of a named state of arm i's group; kNotFound with the nearest name.
+  Result<Eigen::VectorXd> named_state(int arm, std::string_view name) const;
+
+  /// kInfeasible naming the joint, its value and its limit if q leaves the position limits.
+  Result<void> check_position_limits(const Eigen::Ref<const Eigen::VectorXd>& q) const;
+
+ private:
+  friend class WorkcellBuilder;
+  Workcell() = default;
+
+  WorkcellSpec spec_;
+  robot::Model model_;
+  std::vector<Arm> arms_;
+  int dof_ = 0;
+  Eigen::VectorXd lower_, upper_;
+  std::vector<robot::JointLimits> limits_;
+  std::vector<std::string> joint_names_;
+  Eigen::VectorXd fixed_positions_;  ///< Model positions with every arm joint at 0.
+  std::vector<Body> bodies_;
+  std::vector<BodyPair> pairs_;
+  std::vector<SkippedPair> skipped_pairs_;
+  std::vector<Query> queries_;
+};
+
+}  // namespace tandem::world
