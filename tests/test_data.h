@@ -22,6 +22,6 @@ inline std::filesystem::path data_path(const std::string& relative) {
 }  // namespace tandem::test
 
 /// Reports the test as skipped where the test data is absent.
-#define TANDEM_SKIP_WITHOUT_DATA(relative)                                                      \
-  if (!std::filesystem::exists(tandem::test::data_path(relative)))                             \
+#define TANDEM_SKIP_WITHOUT_DATA(relative)                         \
+  if (!std::filesystem::exists(tandem::test::data_path(relative))) \
   GTEST_SKIP() << "no test data at " << tandem::test::data_path(relative) << "; set TANDEM_DATA_DIR"

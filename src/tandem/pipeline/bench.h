@@ -38,8 +38,8 @@ struct BenchResult {
 /// Runs all queries `cycles` times; run k uses seed options.seed + k. After a failed query the next
 /// one starts from the intended goal. Ends early, keeping what it has, when options.token stops.
 /// @param progress  called after every run with the runs done and the total.
-Result<BenchResult> bench(const std::shared_ptr<const world::Workcell>& cell, int cycles,
-                          const PlanOptions& options,
-                          const std::function<void(const BenchRun&, int done, int total)>& progress);
+Result<BenchResult> bench(
+    const std::shared_ptr<const world::Workcell>& cell, int cycles, const PlanOptions& options,
+    const std::function<void(const BenchRun&, int done, int total)>& progress);
 
 }  // namespace tandem::pipeline

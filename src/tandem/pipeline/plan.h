@@ -29,7 +29,7 @@ struct PlanOptions {
   Strategy strategy = Strategy::kCentralized;
   Preset preset = Preset::kDefault;
   std::uint64_t seed = 1;
-  double deadline = 5.0;    ///< [s] of wall time, > 0.
+  double deadline = 5.0;  ///< [s] of wall time, > 0.
   std::stop_token token = {};
   bool keep_phases = true;  ///< Keep the intermediate paths in the report.
 };

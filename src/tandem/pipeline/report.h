@@ -50,7 +50,6 @@ struct PlanReport {
   std::map<std::string, int> rungs;  ///< Fallbacks taken and how often: "repair", "rest_to_rest"...
   std::vector<Phase> phases;
   double least_clearance = 0;  ///< [m] certified, padding included; 0 if not certified.
-  double uniform_duration = 0;  ///< [s] of the same waypoints under plain uniform scaling.
 };
 
 }  // namespace tandem::pipeline

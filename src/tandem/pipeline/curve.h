@@ -1,0 +1,28 @@
+#pragma once
+/// From waypoints to the executed curve: timing, proof, repair. Internal to pipeline/.
+
+#include "tandem/collision/certificate.h"
+#include "tandem/pipeline/modules.h"
+
+namespace tandem::pipeline {
+
+struct CurveContext {
+  const collision::SsvChecker& checker;
+  const world::PairSelection& selection;
+  collision::CollisionChecker::Scratch& scratch;
+  const trajectory::TimeOptimizer& timing;
+  StopCondition stop;
+  PlanReport& report;
+};
+
+/// Times `path` and proves the curve: continuous-time certificate and exact limits.
+///
+/// With `repair`, a curve that leaves its polyline too far gets waypoints on the straight edges
+/// where it failed and is timed again; if that does not end, every edge is run from rest to rest,
+/// which follows the polyline exactly. So it fails on a certified polyline only by time-out.
+/// Ref: methods, "Zero-clamped C2 splines", Repair.
+/// @return kCollision (pair, time, depth), kLimits (joint, value, limit) or the stop's error.
+Result<motion::CellMotion> make_curve(const CurveContext& context, const motion::JointPath& path,
+                                      bool repair);
+
+}  // namespace tandem::pipeline

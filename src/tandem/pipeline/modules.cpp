@@ -1,0 +1,43 @@
+#include "tandem/pipeline/modules.h"
+
+#include "tandem/planning/ompl/ompl_planning.h"
+#include "tandem/trajectory/nlopt/slsqp_time_optimizer.h"
+
+namespace tandem::pipeline {
+
+namespace {
+
+/// Longest unchecked piece of an edge, as a fraction of one arm's L1 extent.
+/// Ref: the paper, "Planner Parameters".
+constexpr double kPaperSegmentFraction = 0.001;
+
+double paper_resolution(const world::Workcell& cell) {
+  // The paper halves the fraction for two arms: the same length as for each arm alone.
+  return kPaperSegmentFraction * planning::l1_extent(cell.lower(), cell.upper()) /
+         static_cast<double>(cell.arms().size());
+}
+
+}  // namespace
+
+Modules make_modules(Preset preset, const collision::SsvChecker& checker,
+                     const world::PairSelection& selection) {
+  Modules modules;
+  modules.planner = planning::make_ompl_rrt_connect();
+  modules.simplifier = planning::make_ompl_simplifier();
+  switch (preset) {
+    case Preset::kDefault:
+      modules.validity = planning::make_certified_validity(checker, selection);
+      modules.timing = trajectory::make_barrier_optimizer();
+      modules.repair = true;
+      break;
+    case Preset::kPaper:
+      modules.validity =
+          planning::make_sampled_validity(checker, selection, paper_resolution(checker.cell()));
+      modules.timing = trajectory::make_slsqp_time_optimizer();
+      modules.repair = false;
+      break;
+  }
+  return modules;
+}
+
+}  // namespace tandem::pipeline

@@ -1,0 +1,38 @@
+#pragma once
+/// The modules a preset is made of. Internal to pipeline/.
+
+#include <memory>
+
+#include "tandem/collision/ssv_checker.h"
+#include "tandem/pipeline/plan.h"
+#include "tandem/planning/planner.h"
+#include "tandem/trajectory/time_optimizer.h"
+
+namespace tandem::pipeline {
+
+struct Modules {
+  std::unique_ptr<planning::PathPlanner> planner;
+  std::unique_ptr<planning::PathSimplifier> simplifier;
+  std::unique_ptr<trajectory::TimeOptimizer> timing;
+  std::unique_ptr<planning::Validity> validity;
+  bool repair = true;  ///< Whether a curve that touches something is repaired or an error.
+};
+
+/// @param checker  must outlive the modules.
+Modules make_modules(Preset preset, const collision::SsvChecker& checker,
+                     const world::PairSelection& selection);
+
+/// Adds the wall time of its scope to a report's entry.
+class ModuleTimer {
+ public:
+  explicit ModuleTimer(double& seconds) : seconds_(seconds) {}
+  ~ModuleTimer() { seconds_ += std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  ModuleTimer(const ModuleTimer&) = delete;
+  ModuleTimer& operator=(const ModuleTimer&) = delete;
+
+ private:
+  double& seconds_;
+  Clock::time_point begin_ = Clock::now();
+};
+
+}  // namespace tandem::pipeline
