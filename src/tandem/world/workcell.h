@@ -19,6 +19,8 @@
 namespace tandem::world {
 
 /// A robot and where it stands. In the cell's model its names get the prefix "NAME/".
+/// `where` of every spec is its place in a file ("cell.yaml:4:5"), put before messages about it;
+/// empty if built in memory.
 struct RobotSpec {
   std::string name;
   robot::Model model;
@@ -30,19 +32,24 @@ struct RobotSpec {
   /// Values of joints that no arm moves, by joint name [rad or m]; others stand at 0, clamped
   /// into their limits.
   std::map<std::string, double> fixed_positions;
+  std::string where = {};
 };
 
 struct ArmSpec {
   std::string name;
   std::string robot;
-  std::string group;  ///< SRDF group whose movable joints the arm owns.
+  std::string group;  ///< SRDF group whose movable joints the arm owns; empty: see `base`.
   std::string tip;    ///< Link name; empty: the group's tip.
   Eigen::Isometry3d X_LE = Eigen::Isometry3d::Identity();  ///< Tool frame in the tip link.
+  /// Without a group: the arm owns the movable joints from this link down to `tip`.
+  std::string base = {};
+  std::string where = {};
 };
 
 struct ObstacleSpec {
   std::string name;
   std::vector<geometry::Shape> shapes_W;
+  std::string where = {};
 };
 
 /// Geometry carried by a link, rigidly.
@@ -51,12 +58,14 @@ struct AttachedSpec {
   std::string link;  ///< Cell name, e.g. "left/panda_hand".
   std::vector<geometry::Shape> shapes_L;
   std::vector<std::string> touching;  ///< Bodies it may touch, besides its own link.
+  std::string where = {};
 };
 
 /// Bodies that may touch, by body name: "left/panda_link5", an obstacle or an attached object.
 struct AllowedPair {
   std::string a, b;
   std::string reason;
+  std::string where = {};
 };
 
 /// Where an arm shall go: joint values in arm order, a named state of its group, or a tool pose.
@@ -71,16 +80,18 @@ struct PoseGoal {
 };
 using ArmGoal = std::variant<JointGoal, StateGoal, PoseGoal>;
 
-/// One motion. An arm without a goal stays where it starts.
+/// One motion. An arm without a start stands where the query before left it; an arm without a goal
+/// stays where it starts.
 struct Query {
   std::string name;
-  std::vector<std::optional<ArmGoal>> start;  ///< By arm; empty: the goal of the query before.
-  std::vector<std::optional<ArmGoal>> goal;   ///< By arm.
+  std::vector<std::optional<ArmGoal>> start;  ///< One entry per arm.
+  std::vector<std::optional<ArmGoal>> goal;   ///< One entry per arm.
 };
 
 struct QuerySpec {
   std::string name;
   std::map<std::string, ArmGoal> start, goal;  ///< By arm name.
+  std::string where = {};
 };
 
 /// Everything that makes a cell, unchecked.
@@ -102,30 +113,30 @@ using ArmMask = std::uint32_t;
 
 struct Arm {
   std::string name;
-  int robot;                          ///< Index into robots().
-  std::string group;
-  std::vector<int> joints;            ///< Of the cell's model, base first.
-  std::vector<int> columns;           ///< Their entries in a position vector.
-  int tip_link;                       ///< Link L of the cell's model.
-  Eigen::Isometry3d X_LE;             ///< Tool frame.
-  int offset;                         ///< First entry in the cell's q.
+  int robot;                 ///< Index into robots().
+  std::string group;         ///< SRDF group; empty if it is a chain of links.
+  std::vector<int> joints;   ///< Of the cell's model, base first.
+  std::vector<int> columns;  ///< Their entries in a position vector.
+  int tip_link;              ///< Link L of the cell's model.
+  Eigen::Isometry3d X_LE;    ///< Tool frame.
+  int offset;                ///< First entry in the cell's q.
   int dof() const { return static_cast<int>(joints.size()); }
 };
 
 /// Rigid geometry that moves with one link.
 struct Body {
   std::string name;
-  int link;                              ///< Of the cell's model; 0 is the world.
+  int link;                               ///< Of the cell's model; 0 is the world.
   std::vector<geometry::Shape> shapes_L;  ///< Unpadded.
-  double padding;                        ///< [m]
-  ArmMask moved_by;                      ///< Arms that can move it; 0 stands still.
+  double padding;                         ///< [m]
+  ArmMask moved_by;                       ///< Arms that can move it; 0 stands still.
   enum class Kind { kRobotLink, kObstacle, kAttached } kind;
 };
 
 /// Two bodies that must not touch; indices into bodies(), a < b.
 struct BodyPair {
   int a, b;
-  ArmMask moved_by;  ///< Union of the bodies' masks, never 0.
+  ArmMask moved_by;  ///< Arms that can change the relative pose of a and b; never 0.
 };
 
 /// A pair that is not checked, and why: for people.
@@ -143,7 +154,7 @@ struct PairScope {
   /// Pairs that both arm i and arm j can move.
   static PairScope between(int i, int j);
 
-  ArmMask required = 0;          ///< Arms that must be able to move the pair...
+  ArmMask required = 0;             ///< Arms that must be able to move the pair...
   ArmMask permitted = ~ArmMask{0};  ///< ...and those that may.
 };
 
@@ -156,8 +167,9 @@ class Workcell {
  public:
   /// Merges, resolves and checks a spec.
   /// @return kInvalidInput or kNotFound naming the entry, its value and the remedy: names that do
-  /// not exist (with the nearest one that does) or exist twice, arms that share joints, joints
-  /// without velocity or acceleration limit, joint goals of the wrong size.
+  /// not exist (with the nearest one that does) or exist twice, arms that share joints, arm joints
+  /// without position, velocity or acceleration limit, link meshes without volumes, joint goals of
+  /// the wrong size.
   static Result<std::shared_ptr<const Workcell>> make(WorkcellSpec spec);
 
   const std::string& name() const { return spec_.name; }

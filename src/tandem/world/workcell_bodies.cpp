@@ -1,0 +1,216 @@
+#include <algorithm>
+#include <cmath>
+
+#include "tandem/core/names.h"
+#include "tandem/world/workcell_builder.h"
+
+namespace tandem::world {
+
+namespace {
+
+std::pair<int, int> ordered(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// A URDF primitive as a shape; `mesh` is what to say about a mesh.
+struct ToShape {
+  const Eigen::Isometry3d& X_LG;
+
+  Result<geometry::Shape> operator()(const robot::SphereGeometry& sphere) const {
+    return geometry::Shape::sphere(X_LG.translation(), sphere.radius);
+  }
+  Result<geometry::Shape> operator()(const robot::BoxGeometry& box) const {
+    return geometry::Shape::box(X_LG, box.size);
+  }
+  Result<geometry::Shape> operator()(const robot::CylinderGeometry& cylinder) const {
+    return geometry::Shape::cylinder(X_LG, cylinder.radius, cylinder.length);
+  }
+  Result<geometry::Shape> operator()(const robot::MeshGeometry& mesh) const {
+    return fail(ErrorCode::kInvalidInput,
+                "its collision geometry is the mesh '" + mesh.uri +
+                    "' and it has no swept sphere volumes; give the robot a `volumes:` file with "
+                    "an entry for this link");
+  }
+};
+
+Result<std::vector<geometry::Shape>> primitives(const robot::Link& link) {
+  std::vector<geometry::Shape> shapes_L;
+  for (const robot::Geometry& piece : link.collision) {
+    Result<geometry::Shape> shape = std::visit(ToShape{piece.X_LG}, piece.shape);
+    if (!shape) return std::unexpected(shape.error());
+    shapes_L.push_back(std::move(*shape));
+  }
+  return shapes_L;
+}
+
+}  // namespace
+
+Result<void> WorkcellBuilder::add_robot_bodies(const RobotSpec& robot) {
+  std::vector<std::string> names;
+  for (const robot::Link& link : robot.model.links()) names.push_back(link.name);
+  for (const auto& [name, shapes] : robot.volumes) {
+    if (robot.model.find_link(name) >= 0) continue;
+    return refuse(ErrorCode::kNotFound, robot.where,
+                  "robot '" + robot.name + "' has volumes for link '" + name +
+                      "', which does not exist" + name_hint(name, names));
+  }
+  for (const robot::Link& link : robot.model.links()) {
+    const auto volumes = robot.volumes.find(link.name);
+    const std::string who = "link '" + link.name + "' of robot '" + robot.name + "': ";
+    Result<std::vector<geometry::Shape>> shapes_L =
+        volumes == robot.volumes.end() ? primitives(link) : volumes->second;
+    if (!shapes_L) {
+      return refuse(shapes_L.error().code, robot.where, who + shapes_L.error().message);
+    }
+    if (shapes_L->empty() && !link.collision.empty()) {
+      return refuse(ErrorCode::kInvalidInput, robot.where,
+                    who +
+                        "it has collision geometry but its list of volumes is empty; give it "
+                        "volumes, or remove the entry if its geometry needs none");
+    }
+    if (shapes_L->empty()) continue;
+    const std::string name = robot.name + "/" + link.name;
+    const int index = cell_->model_.find_link(name);
+    Body body{name, index, std::move(*shapes_L), cell_->spec_.padding, 0, Body::Kind::kRobotLink};
+    if (auto done = add_body(std::move(body), robot.where); !done) return done;
+  }
+  return {};
+}
+
+Result<void> WorkcellBuilder::add_obstacles() {
+  for (const ObstacleSpec& obstacle : cell_->spec_.obstacles) {
+    Body body{obstacle.name, 0, obstacle.shapes_W, 0.0, 0, Body::Kind::kObstacle};
+    if (auto done = add_body(std::move(body), obstacle.where); !done) return done;
+  }
+  return {};
+}
+
+Result<void> WorkcellBuilder::add_attached() {
+  std::vector<std::string> links;
+  for (const robot::Link& link : cell_->model_.links()) links.push_back(link.name);
+  for (const AttachedSpec& attached : cell_->spec_.attached) {
+    const int link = cell_->model_.find_link(attached.link);
+    if (link < 0) {
+      return refuse(ErrorCode::kNotFound, attached.where,
+                    "attached '" + attached.name + "': there is no link '" + attached.link + "'" +
+                        name_hint(attached.link, links) + " (links are written ROBOT/LINK)");
+    }
+    Body body{attached.name,        link, attached.shapes_L,
+              cell_->spec_.padding, 0,    Body::Kind::kAttached};
+    if (auto done = add_body(std::move(body), attached.where); !done) return done;
+  }
+  return {};
+}
+
+Result<void> WorkcellBuilder::add_body(Body body, const std::string& where) {
+  if (body.name.empty()) {
+    return refuse(ErrorCode::kInvalidInput, where,
+                  "an obstacle or attached object has no name; give it one");
+  }
+  if (body.shapes_L.empty()) {
+    return refuse(ErrorCode::kInvalidInput, where,
+                  "'" + body.name + "' has no shapes; give it one, or remove it");
+  }
+  if (!body_index_.emplace(body.name, static_cast<int>(cell_->bodies_.size())).second) {
+    return refuse(ErrorCode::kInvalidInput, where,
+                  "two bodies are called '" + body.name + "'; rename one");
+  }
+  const auto own = cell_->spec_.body_padding.find(body.name);
+  if (own != cell_->spec_.body_padding.end()) body.padding = own->second;
+  if (!(body.padding >= 0) || !std::isfinite(body.padding)) {
+    return refuse(ErrorCode::kInvalidInput, cell_->spec_.file.string(),
+                  "the padding of '" + body.name + "' is " + std::to_string(body.padding) +
+                      "; it must be at least 0");
+  }
+  body.moved_by = arms_between(body.link, 0);
+  cell_->bodies_.push_back(std::move(body));
+  return {};
+}
+
+Result<void> WorkcellBuilder::check_body_padding() const {
+  for (const auto& [name, padding] : cell_->spec_.body_padding) {
+    const Result<int> body = body_named(name, cell_->spec_.file.string());
+    if (!body) return fail(body.error().code, body.error().message + " (in padding)");
+  }
+  return {};
+}
+
+Result<int> WorkcellBuilder::body_named(const std::string& name, const std::string& where) const {
+  if (const auto found = body_index_.find(name); found != body_index_.end()) return found->second;
+  if (cell_->model_.find_link(name) >= 0) {
+    return refuse(ErrorCode::kInvalidInput, where,
+                  "link '" + name + "' has no shapes and touches nothing; remove it");
+  }
+  std::vector<std::string> known;
+  for (const Body& body : cell_->bodies_) known.push_back(body.name);
+  return refuse(ErrorCode::kNotFound, where,
+                "there is no body '" + name + "'" + name_hint(name, known) +
+                    " (robot links are written ROBOT/LINK)");
+}
+
+/// Links without shapes are no bodies, and an SRDF may well name them.
+Result<void> WorkcellBuilder::skip_disabled(const RobotSpec& robot) {
+  for (const robot::DisabledPair& pair : robot.semantics.disabled_pairs) {
+    for (const std::string& link : {pair.link_a, pair.link_b}) {
+      if (robot.model.find_link(link) >= 0) continue;
+      return refuse(ErrorCode::kNotFound, robot.where,
+                    "the SRDF of robot '" + robot.name + "' disables link '" + link +
+                        "', which does not exist");
+    }
+    const auto a = body_index_.find(robot.name + "/" + pair.link_a);
+    const auto b = body_index_.find(robot.name + "/" + pair.link_b);
+    if (a == body_index_.end() || b == body_index_.end()) continue;
+    skipped_.emplace(ordered(a->second, b->second),
+                     "disabled by SRDF" + (pair.reason.empty() ? "" : ": " + pair.reason));
+  }
+  return {};
+}
+
+Result<void> WorkcellBuilder::skip_allowed(const std::string& a, const std::string& b,
+                                           const std::string& reason, const std::string& where) {
+  const Result<int> index_a = body_named(a, where);
+  if (!index_a) return std::unexpected(index_a.error());
+  const Result<int> index_b = body_named(b, where);
+  if (!index_b) return std::unexpected(index_b.error());
+  if (*index_a == *index_b) {
+    return refuse(ErrorCode::kInvalidInput, where,
+                  "'" + a + "' is allowed to touch itself; name two bodies");
+  }
+  skipped_.emplace(ordered(*index_a, *index_b), reason);
+  return {};
+}
+
+ArmMask WorkcellBuilder::arms_between(int link_a, int link_b) const {
+  const robot::Model& model = cell_->model_;
+  ArmMask mask = 0;
+  // Parents come before their children, so the later of two links is never above the other.
+  while (link_a != link_b) {
+    int& later = link_a > link_b ? link_a : link_b;
+    const int joint = model.links()[static_cast<std::size_t>(later)].parent_joint;
+    if (const int arm = owner(joint); arm >= 0) mask |= ArmMask{1} << arm;
+    later = model.joints()[static_cast<std::size_t>(joint)].parent_link;
+  }
+  return mask;
+}
+
+void WorkcellBuilder::make_pairs() {
+  const int count = static_cast<int>(cell_->bodies_.size());
+  for (int a = 0; a < count; ++a) {
+    for (int b = a + 1; b < count; ++b) {
+      const Body& body_a = cell_->bodies_[static_cast<std::size_t>(a)];
+      const Body& body_b = cell_->bodies_[static_cast<std::size_t>(b)];
+      const ArmMask moved_by = arms_between(body_a.link, body_b.link);
+      if (moved_by == 0) {
+        const bool standing = body_a.moved_by == 0;
+        const char* reason = body_a.link == body_b.link && !standing ? "on the same link"
+                             : standing                              ? "no arm moves them"
+                                                                     : "rigidly connected";
+        cell_->skipped_pairs_.push_back({a, b, reason});
+      } else if (const auto skipped = skipped_.find({a, b}); skipped != skipped_.end()) {
+        cell_->skipped_pairs_.push_back({a, b, skipped->second});
+      } else {
+        cell_->pairs_.push_back({a, b, moved_by});
+      }
+    }
+  }
+}
+
+}  // namespace tandem::world
