@@ -12,8 +12,9 @@ Eigen::Vector3d log_map(const Eigen::Quaterniond& u);
 /// Unit quaternion of a rotation vector [rad].
 Eigen::Quaterniond exp_map(const Eigen::Vector3d& p);
 
-/// Inverse Jacobian of the exponential map: dp = T^-1(p) xi for a rotation rate xi expressed in the
-/// moved frame. Regular for |p| < 2 pi.   Ref: eq:ExpJac.
+/// Jacobian of the logarithm: dp = T^-1(p) xi for a rotation rate xi expressed in the frame that
+/// the rotation starts from; T^-1(-p) takes xi in the moved frame. Regular for |p| < 2 pi. Ref:
+/// eq:ExpJac, with a series near zero.
 Eigen::Matrix3d log_map_jacobian(const Eigen::Vector3d& p);
 
 }  // namespace tandem::math

@@ -10,7 +10,7 @@ struct JointState {
   Eigen::VectorXd q;     ///< [rad or m]
   Eigen::VectorXd qd;    ///< [./s]
   Eigen::VectorXd qdd;   ///< [./s^2]
-  Eigen::VectorXd qddd;  ///< [./s^3] right-hand limit at a knot
+  Eigen::VectorXd qddd;  ///< [./s^3] right-hand limit at an inner knot
 };
 
 /// q(t) on [0, duration()]. Implementations are immutable and thread-safe.
@@ -39,9 +39,7 @@ class StraightEdge final : public Motion {
   double duration() const override { return 1.0; }
   void position(double t, Eigen::Ref<Eigen::VectorXd> q) const override;
   JointState at(double t) const override;
-  void deviation(double t0, double t1, Eigen::Ref<Eigen::VectorXd> D) const override {
-    D = d_.cwiseAbs() * (0.5 * (t1 - t0));
-  }
+  void deviation(double t0, double t1, Eigen::Ref<Eigen::VectorXd> D) const override;
 
  private:
   Eigen::VectorXd a_, d_;

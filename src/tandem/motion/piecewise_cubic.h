@@ -8,6 +8,15 @@
 
 namespace tandem::motion {
 
+/// Where the slope c1 + 2 c2 s + 3 c3 s^2 of a cubic vanishes: up to two points, in no order. A
+/// constant has none.
+struct StationaryPoints {
+  double s[2] = {};
+  int count = 0;
+};
+/// Robust against cancellation and against leading coefficients that are zero or tiny.
+StationaryPoints stationary_points(double c1, double c2, double c3);
+
 /// On segment k, with s = t - knot_k: q(t) = c0 + c1 s + c2 s^2 + c3 s^3 per joint.
 class PiecewiseCubic final : public Motion {
  public:
