@@ -16,7 +16,7 @@ struct IkProblem {
   int link = -1;                                           ///< Link L that carries the tool.
   Eigen::Isometry3d X_LE = Eigen::Isometry3d::Identity();  ///< Tool frame in L.
   std::vector<int> columns;                                ///< Position entries that may move.
-  Eigen::VectorXd positions;                               ///< All positions; the seed in `columns`.
+  Eigen::VectorXd positions;  ///< All positions; the seed in `columns`.
   Eigen::Isometry3d X_WE = Eigen::Isometry3d::Identity();  ///< Goal.
 };
 

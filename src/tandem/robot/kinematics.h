@@ -21,6 +21,7 @@ void forward_kinematics(const Model& model, const Eigen::Ref<const Eigen::Vector
 /// @param J_W   6 x columns.size(): linear rows of P, then angular rows, expressed in W.
 /// Mimic joints add to the column of the joint they follow.
 void jacobian(const Model& model, const LinkPoses& X_WL, int link, const Eigen::Vector3d& p_WP,
-              std::span<const int> columns, Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> J_W);
+              std::span<const int> columns,
+              Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> J_W);
 
 }  // namespace tandem::robot

@@ -29,7 +29,7 @@ struct JointLimits {
 
 /// Follows another joint: q = multiplier * q_source + offset.
 struct Mimic {
-  int joint;  ///< Index of the joint it follows; never itself a mimic.
+  int joint;  ///< Index of the joint it follows; in a Model never itself a mimic.
   double multiplier = 1;
   double offset = 0;
 };
@@ -57,8 +57,8 @@ struct CylinderGeometry {
   double length;  ///< Along z, flat ends.
 };
 struct MeshGeometry {
-  std::string uri;      ///< As written: package://, file:// or relative.
-  std::string path;     ///< Resolved file; empty where its package was not found.
+  std::string uri;   ///< As written: package://, file:// or relative.
+  std::string path;  ///< Resolved file; empty where its package was not found.
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
 };
 
@@ -82,13 +82,17 @@ struct Link {
   std::optional<Inertial> inertial;
 };
 
-/// An immutable tree. Links are ordered so that a parent comes before its children; link 0 is the
-/// root. Positions are the values of all movable joints that follow no other, in joint order.
+/// An immutable tree, depth-first: a parent comes before its children, link 0 is the root, and
+/// joint k carries link k + 1. Positions are the values of all movable joints that follow no other,
+/// in joint order.
 class Model {
  public:
-  /// Orders links and joints and checks the tree.
+  /// Orders links and joints, normalises axes, resolves mimic chains to their source and checks the
+  /// tree. Indices in the arguments refer to the arguments; parent_joint and position_index are
+  /// set.
   /// @return kInvalidInput naming the link or joint: duplicate names, several roots, cycles, zero
-  /// axes, a mimic of nothing or of a mimic, inverted limits, values that are not finite.
+  /// axes, a mimic of nothing, of itself or of a fixed joint, inverted limits, values that are not
+  /// finite.
   static Result<Model> make(std::string name, std::vector<Link> links, std::vector<Joint> joints);
 
   const std::string& name() const { return name_; }
@@ -110,7 +114,8 @@ class Model {
     return moving_ancestors_[static_cast<std::size_t>(link)];
   }
 
-  /// Replaces the limits of joint `joint`; used by overlays before the model is shared.
+  /// Replaces the limits of joint `joint`; used by overlays before the model is shared. A revolute
+  /// joint without position limits becomes continuous, a continuous one with limits revolute.
   void set_limits(int joint, const JointLimits& limits);
 
  private:

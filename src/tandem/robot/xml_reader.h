@@ -1,0 +1,74 @@
+#pragma once
+/// Private to the readers of this folder: XML that knows where it stands, and text to numbers.
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tandem/core/result.h"
+
+namespace tinyxml2 {
+class XMLDocument;
+class XMLElement;
+}  // namespace tinyxml2
+
+namespace tandem::robot {
+
+/// Thrown inside a reader, which returns it as its Result.
+struct ReadFailure {
+  Error error;
+};
+
+/// The file's content; kNotFound or kIo.
+Result<std::string> read_text(const std::filesystem::path& file);
+
+/// The number that `text` is as a whole, whatever the locale; none if it is not finite.
+std::optional<double> parse_number(std::string_view text);
+
+/// An element and the name of its file. Valid as long as its document.
+class XmlElement {
+ public:
+  XmlElement(const tinyxml2::XMLElement& element, const std::string& origin)
+      : element_(&element), origin_(&origin) {}
+
+  std::string tag() const;
+  int line() const;
+  /// Throws "FILE:LINE: joint 'NAME': <tag>: what", NAME being the nearest one above.
+  [[noreturn]] void fail(const std::string& what, ErrorCode code = ErrorCode::kInvalidInput) const;
+
+  std::optional<XmlElement> child(const char* tag) const;  ///< The first one.
+  XmlElement required_child(const char* tag) const;
+  std::vector<XmlElement> children(const char* tag = nullptr) const;
+
+  std::optional<std::string> attribute(const char* name) const;
+  std::string required(const char* name) const;  ///< Neither absent nor empty.
+  double number(const char* name) const;         ///< Required.
+  double number(const char* name, double absent) const;
+  double positive(const char* name) const;  ///< Required.
+  Eigen::Vector3d vector3(const char* name) const;
+  Eigen::Vector3d vector3(const char* name, const Eigen::Vector3d& absent) const;
+
+ private:
+  [[noreturn]] void fail_value(const char* name, const std::string& expected) const;
+
+  const tinyxml2::XMLElement* element_;
+  const std::string* origin_;
+};
+
+/// A parsed text whose root element has the tag `root`; throws ReadFailure otherwise.
+class XmlDocument {
+ public:
+  XmlDocument(const std::string& text, const std::string& origin, const std::string& root);
+  ~XmlDocument();
+  XmlElement root() const;
+
+ private:
+  std::string origin_;
+  std::unique_ptr<tinyxml2::XMLDocument> document_;
+};
+
+}  // namespace tandem::robot
