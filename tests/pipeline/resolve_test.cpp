@@ -26,14 +26,14 @@ TEST(Resolve, ArmWithoutGoalStays) {
   EXPECT_NE(cross->goal.head(4), cross->start.head(4));
 }
 
-TEST(Resolve, FirstQueryNeedsAStart) {
-  auto spec = test::small_cell_spec();
-  spec.queries[0].start.erase("left");
-  const auto cell = *world::Workcell::make(spec);
-  const auto back = resolve(cell, cell->query("back"));
-  ASSERT_FALSE(back);
-  EXPECT_NE(back.error().message.find("'left' has no start"), std::string::npos)
-      << back.error().message;
+TEST(Resolve, AQueryOfItsOwnNeedsAStart) {
+  const auto cell = test::small_cell();
+  world::Query own = cell->query("back");
+  own.name = "not in the cell";
+  const auto resolved = resolve(cell, own);
+  ASSERT_FALSE(resolved);
+  EXPECT_NE(resolved.error().message.find("'left' has no start"), std::string::npos)
+      << resolved.error().message;
 }
 
 // The tool pose of a known configuration, as a goal: the solution must reach it, free of
