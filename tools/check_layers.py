@@ -1,6 +1,8 @@
 #!/usr/bin/python3
 """Checks that the house stands as docs/conventions.md says: levels, includes, sizes.
 
+A header is public if its folder's CMakeLists.txt lists it under HEADERS, else private to its folder.
+
     tools/check_layers.py [--root FOLDER]
 
 Exit codes: 0 nothing found, 1 something found (file:line: message), 2 wrong use.
@@ -222,8 +224,8 @@ def check_include(path, number, include, context, findings):
     if reason:
         findings.add(path, number, reason)
     elif relative.endswith(".h") and relative not in public_headers and (public or used != component):
-        findings.add(path, number, f'"{target}" is private to its folder: list it under HEADERS, or '
-                                   "do not include it here")
+        findings.add(path, number, f'"{target}" is private to its folder: list it under HEADERS of '
+                                   "its CMakeLists.txt, or do not include it here")
 
 
 def check_module_file(path, text, base, lists, public_headers, findings):
@@ -234,10 +236,8 @@ def check_module_file(path, text, base, lists, public_headers, findings):
         findings.add(path, 1, "in a folder that tools/check_layers.py does not know: give it a level "
                               "there, or move the file")
         return
-    headers, sources = lists(path.parent)
-    if path.name not in headers and path.name not in sources:
-        kinds = ("HEADERS (public) or SOURCES (private)" if path.suffix == ".h" else "SOURCES")
-        findings.add(path, 1, f"not listed: add it to {kinds} of its folder's CMakeLists.txt")
+    if path.suffix == ".cpp" and path.name not in lists(path.parent)[1]:
+        findings.add(path, 1, "not built: add it to SOURCES of its folder's CMakeLists.txt")
     context = (component, relative in public_headers, base, public_headers)
     for number, line in enumerate(text.splitlines(), 1):
         include = INCLUDE.match(line)

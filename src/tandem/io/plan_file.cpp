@@ -1,1 +1,117 @@
 #include "tandem/io/plan_file.h"
+
+#include <nlohmann/json.hpp>
+
+#include "tandem/core/contract.h"
+#include "tandem/io/report_keys.h"
+
+namespace tandem::io {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json vector_json(const Eigen::VectorXd& values) {
+  expects(values.allFinite(), "a plan's numbers are finite");
+  return std::vector<double>(values.begin(), values.end());
+}
+
+/// knots, and coefficients[segment][joint] = [c0, c1, c2, c3].
+Json arm_json(const world::Workcell& cell, std::size_t arm, const motion::PiecewiseCubic& spline) {
+  const world::Arm& a = cell.arms()[arm];
+  const auto first = cell.joint_names().begin() + a.offset;
+  Json segments = Json::array();
+  for (const auto& segment : spline.segments()) {
+    Json rows = Json::array();
+    for (Eigen::Index j = 0; j < segment.rows(); ++j) {
+      rows.push_back(vector_json(segment.row(j).transpose()));
+    }
+    segments.push_back(std::move(rows));
+  }
+  return {{"name", a.name},
+          {"joints", std::vector<std::string>(first, first + a.dof())},
+          {"knots", spline.knots()},
+          {"coefficients", std::move(segments)}};
+}
+
+Json phases_json(const std::vector<pipeline::Phase>& phases) {
+  Json list = Json::array();
+  for (const pipeline::Phase& phase : phases) {
+    Json path = Json::array();
+    for (const Eigen::VectorXd& q : phase.path) path.push_back(vector_json(q));
+    list.push_back({{"name", phase.name}, {"path", std::move(path)}});
+  }
+  return list;
+}
+
+Json report_json(const pipeline::PlanReport& report, const world::Workcell& cell, double duration) {
+  Json times, counts, arms = Json::object();
+  for (const auto& [key, member] : kTimeKeys) times[key] = report.times.*member * 1e3;
+  for (const auto& [key, member] : kCountKeys) counts[key] = report.counts.*member;
+  for (std::size_t i = 0; i < report.arms.size(); ++i) {
+    Json& lengths = arms[cell.arms()[i].name];
+    for (const auto& [key, member] : kLengthKeys) lengths[key] = report.arms[i].*member;
+  }
+  return {{"motion_duration_s", duration},
+          {"least_clearance_m", report.least_clearance},
+          {"times_ms", std::move(times)},
+          {"counts", std::move(counts)},
+          {"arms", std::move(arms)},
+          {"rungs", report.rungs.empty() ? Json::object() : Json(report.rungs)}};
+}
+
+/// Relative to the folder of `file`, with links resolved: `..` then means the same to everyone.
+std::string workcell_entry(const fs::path& workcell, const fs::path& file) {
+  if (workcell.empty()) return "";
+  const fs::path target = fs::weakly_canonical(fs::absolute(workcell));
+  const fs::path folder = fs::weakly_canonical(fs::absolute(file)).parent_path();
+  const fs::path relative = target.lexically_relative(folder);
+  return (relative.empty() ? target : relative).generic_string();
+}
+
+}  // namespace
+
+Result<std::string> plan_json(const pipeline::Plan& plan, const world::Workcell& cell,
+                              const fs::path& file) {
+  const std::vector<motion::PiecewiseCubic>& splines = plan.trajectory.arms();
+  expects(splines.size() == cell.arms().size() && plan.trajectory.dof() == cell.dof(),
+          "the plan belongs to the cell");
+  expects(plan.report.arms.empty() || plan.report.arms.size() == splines.size(),
+          "the report has lengths for every arm or for none");
+  Json arms = Json::array();
+  for (std::size_t i = 0; i < splines.size(); ++i) arms.push_back(arm_json(cell, i, splines[i]));
+  const Json json = {
+      {"schema_version", 1},
+      {"tandem_version", TANDEM_VERSION},
+      {"workcell", workcell_entry(cell.spec().file, file)},
+      {"query", plan.query},
+      {"seed", plan.seed},
+      {"options", {{"preset", to_string(plan.preset)}, {"strategy", to_string(plan.strategy)}}},
+      {"start", vector_json(plan.ends.start)},
+      {"goal", vector_json(plan.ends.goal)},
+      {"arms", std::move(arms)},
+      {"phases", phases_json(plan.report.phases)},
+      {"report", report_json(plan.report, cell, plan.trajectory.duration())}};
+  // One line per key: small enough to send, and still readable.
+  std::string text = "{";
+  try {
+    for (const auto& [key, value] : json.items()) {
+      text += (text.size() > 1 ? ",\n" : "\n") + Json(key).dump() + ": " + value.dump();
+    }
+  } catch (const Json::type_error& error) {
+    return fail(ErrorCode::kInvalidInput, "cannot write the plan of query " + plan.query +
+                                              ": a name or path is not UTF-8 (" + error.what() +
+                                              "); rename it");
+  }
+  return text + "\n}\n";
+}
+
+Result<void> save_plan(const fs::path& file, const pipeline::Plan& plan,
+                       const world::Workcell& cell, bool overwrite) {
+  const Result<std::string> text = plan_json(plan, cell, file);
+  if (!text) return std::unexpected(text.error());
+  return write_file(file, *text, overwrite);
+}
+
+}  // namespace tandem::io

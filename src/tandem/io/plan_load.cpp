@@ -1,0 +1,169 @@
+#include <algorithm>
+#include <limits>
+
+#include "tandem/io/json_reader.h"
+#include "tandem/io/plan_file.h"
+#include "tandem/io/report_keys.h"
+
+namespace tandem::io {
+
+namespace {
+
+constexpr std::uint64_t kSchemaVersion = 1;
+
+template <class Keys>
+std::vector<std::string> names_of(const Keys& keys) {
+  std::vector<std::string> names;
+  for (const auto& [name, member] : keys) names.emplace_back(name);
+  return names;
+}
+
+std::vector<std::string> unique_names(const JsonReader& list, const std::string& what) {
+  std::vector<std::string> names;
+  for (const JsonReader& item : list.items()) {
+    names.push_back(item.name());
+    if (std::count(names.begin(), names.end(), names.back()) > 1) {
+      item.refuse("a name that no other " + what + " has");
+    }
+  }
+  if (names.empty()) list.refuse("at least one " + what);
+  return names;
+}
+
+motion::PiecewiseCubic::Coefficients read_segment(const JsonReader& list, Eigen::Index dof) {
+  const std::vector<JsonReader> rows = list.items();
+  if (static_cast<Eigen::Index>(rows.size()) != dof) {
+    list.refuse("one row per joint: " + std::to_string(dof));
+  }
+  motion::PiecewiseCubic::Coefficients segment(dof, 4);
+  for (Eigen::Index j = 0; j < dof; ++j) {
+    segment.row(j) = rows[static_cast<std::size_t>(j)].vector(4, "c0, c1, c2, c3").transpose();
+  }
+  return segment;
+}
+
+motion::PiecewiseCubic read_spline(const JsonReader& arm, Eigen::Index dof) {
+  std::vector<double> knots = arm["knots"].numbers();
+  std::vector<motion::PiecewiseCubic::Coefficients> segments;
+  for (const JsonReader& segment : arm["coefficients"].items()) {
+    segments.push_back(read_segment(segment, dof));
+  }
+  if (segments.size() + 1 != knots.size()) {
+    arm["coefficients"].refuse("one segment less than the " + std::to_string(knots.size()) +
+                               " knots");
+  }
+  auto spline = motion::PiecewiseCubic::make(std::move(knots), std::move(segments));
+  if (!spline) throw BadJson{arm["name"].text() + ": " + spline.error().message};
+  return std::move(*spline);
+}
+
+pipeline::PlanReport read_report(const JsonReader& json, const std::vector<std::string>& arms,
+                                 double duration) {
+  pipeline::PlanReport report;
+  json.expect_keys(
+      {"motion_duration_s", "least_clearance_m", "times_ms", "counts", "arms", "rungs"});
+  if (json["motion_duration_s"].number() != duration) {
+    json["motion_duration_s"].refuse("the last knot of the arms");
+  }
+  // A cell without pairs keeps them apart by any distance, which JSON cannot say as a number.
+  const JsonReader clearance = json["least_clearance_m"];
+  report.least_clearance =
+      clearance.is_null() ? std::numeric_limits<double>::infinity() : clearance.non_negative();
+  json["times_ms"].expect_keys(names_of(kTimeKeys));
+  for (const auto& [key, member] : kTimeKeys) {
+    report.times.*member = json["times_ms"][key].non_negative() * 1e-3;
+  }
+  json["counts"].expect_keys(names_of(kCountKeys));
+  for (const auto& [key, member] : kCountKeys) {
+    report.counts.*member = static_cast<long>(json["counts"][key].count());
+  }
+  if (!json["arms"].keys().empty()) {
+    json["arms"].expect_keys(arms);
+    for (const std::string& arm : arms) {
+      json["arms"][arm].expect_keys(names_of(kLengthKeys));
+      pipeline::ArmLengths& lengths = report.arms.emplace_back();
+      for (const auto& [key, member] : kLengthKeys) {
+        lengths.*member = json["arms"][arm][key].non_negative();
+      }
+    }
+  }
+  for (const std::string& rung : json["rungs"].keys()) {
+    report.rungs[rung] = static_cast<int>(json["rungs"][rung].count());
+  }
+  return report;
+}
+
+std::vector<pipeline::Phase> read_phases(const JsonReader& json, Eigen::Index dof) {
+  std::vector<pipeline::Phase> phases;
+  for (const JsonReader& item : json.items()) {
+    item.expect_keys({"name", "path"});
+    pipeline::Phase& phase = phases.emplace_back();
+    phase.name = item["name"].name();
+    for (const JsonReader& q : item["path"].items()) {
+      phase.path.push_back(q.vector(dof, "one per joint of the cell"));
+    }
+  }
+  return phases;
+}
+
+void check_schema(const JsonReader& json) {
+  const JsonReader version = json["schema_version"];
+  if (version.count() != kSchemaVersion) {
+    version.refuse(std::to_string(kSchemaVersion) + ", the version that this tandem (" +
+                   TANDEM_VERSION + ") reads; the file was written by another");
+  }
+  json.expect_keys({"schema_version", "tandem_version", "workcell", "query", "seed", "options",
+                    "start", "goal", "arms", "phases", "report"});
+  json["options"].expect_keys({"preset", "strategy"});
+}
+
+PlanFile read_plan(const JsonReader& json, const std::filesystem::path& folder) {
+  check_schema(json);
+  std::vector<std::string> arms;
+  std::vector<std::vector<std::string>> joints;
+  std::vector<motion::PiecewiseCubic> splines;
+  Eigen::Index dof = 0;
+  for (const JsonReader& arm : json["arms"].items()) {
+    arm.expect_keys({"name", "joints", "knots", "coefficients"});
+    arms.push_back(arm["name"].name());
+    if (std::count(arms.begin(), arms.end(), arms.back()) > 1) {
+      arm["name"].refuse("a name that no other arm has");
+    }
+    joints.push_back(unique_names(arm["joints"], "joint"));
+    const auto count = static_cast<Eigen::Index>(joints.back().size());
+    splines.push_back(read_spline(arm, count));
+    dof += count;
+  }
+  if (arms.empty()) json["arms"].refuse("at least one arm");
+  motion::CellMotion trajectory(std::move(splines));
+  pipeline::PlanReport report = read_report(json["report"], arms, trajectory.duration());
+  report.phases = read_phases(json["phases"], dof);
+  const std::filesystem::path workcell = json["workcell"].text();
+  return {.version = json["tandem_version"].name(),
+          .workcell = workcell.empty() ? workcell : (folder / workcell).lexically_normal(),
+          .query = json["query"].text(),
+          .strategy = json["options"]["strategy"].name(),
+          .preset = json["options"]["preset"].name(),
+          .seed = json["seed"].count(),
+          .arms = std::move(arms),
+          .joints = std::move(joints),
+          .start = json["start"].vector(dof, "one per joint of the cell"),
+          .goal = json["goal"].vector(dof, "one per joint of the cell"),
+          .trajectory = std::move(trajectory),
+          .report = std::move(report)};
+}
+
+}  // namespace
+
+Result<PlanFile> load_plan(const std::filesystem::path& file) {
+  const Result<nlohmann::json> json = parse_json_file(file);
+  if (!json) return std::unexpected(json.error());
+  try {
+    const auto folder = std::filesystem::weakly_canonical(std::filesystem::absolute(file));
+    return read_plan(JsonReader(*json, ""), folder.parent_path());
+  } catch (const BadJson& bad) {
+    return fail(ErrorCode::kInvalidInput, file.string() + ": " + bad.message);
+  }
+}
+
+}  // namespace tandem::io
