@@ -1,0 +1,28 @@
+#pragma once
+/// Shapes and poses in workcell and volumes files. Not part of the public interface.
+
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+#include "tandem/geometry/shape.h"
+#include "tandem/io/yaml_node.h"
+
+namespace tandem::io {
+
+/// Keys of a pose: position, and one of the two orientations. All are optional.
+const std::vector<std::string>& pose_keys();
+/// The pose in the pose keys of a map, which may have others.
+Eigen::Isometry3d read_pose_in(const YamlNode& map);
+/// A map of pose keys and nothing else.
+Eigen::Isometry3d read_pose(const YamlNode& map);
+
+/// Keys of a map that holds geometry: each kind of shape, `shapes`, `pose`.
+const std::vector<std::string>& geometry_keys();
+/// The shape or `shapes` in the geometry keys of a map, moved by its `pose`; the map may have other
+/// keys.
+std::vector<geometry::Shape> read_geometry(const YamlNode& map);
+/// A list of maps of one shape each.
+std::vector<geometry::Shape> read_shapes(const YamlNode& list);
+
+}  // namespace tandem::io
