@@ -1,15 +1,13 @@
 #pragma once
-/// Private to the readers of this folder: XML that knows where it stands, and text to numbers.
+/// Private to the readers of this folder: XML that knows where it stands.
 
 #include <Eigen/Core>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "tandem/core/result.h"
+#include "tandem/robot/text_reader.h"
 
 namespace tinyxml2 {
 class XMLDocument;
@@ -17,17 +15,6 @@ class XMLElement;
 }  // namespace tinyxml2
 
 namespace tandem::robot {
-
-/// Thrown inside a reader, which returns it as its Result.
-struct ReadFailure {
-  Error error;
-};
-
-/// The file's content; kNotFound or kIo.
-Result<std::string> read_text(const std::filesystem::path& file);
-
-/// The number that `text` is as a whole, whatever the locale; none if it is not finite.
-std::optional<double> parse_number(std::string_view text);
 
 /// An element and the name of its file. Valid as long as its document.
 class XmlElement {
