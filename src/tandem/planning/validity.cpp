@@ -1,1 +1,132 @@
 #include "tandem/planning/validity.h"
+
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "tandem/core/contract.h"
+
+namespace tandem::planning {
+
+namespace {
+
+/// Adds the time it lives to `seconds`.
+class Timer {
+ public:
+  explicit Timer(double& seconds) : seconds_(seconds) {}
+  ~Timer() { seconds_ += std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  Timer(const Timer&) = delete;
+  Timer& operator=(const Timer&) = delete;
+
+ private:
+  double& seconds_;
+  Clock::time_point begin_ = Clock::now();
+};
+
+/// What both kinds share: the checker, its scratch, single states and the books.
+class CheckerValidity : public Validity {
+ public:
+  CheckerValidity(const collision::CollisionChecker& checker, world::PairSelection selection)
+      : checker_(checker), selection_(std::move(selection)), scratch_(checker.make_scratch()) {}
+
+  bool state(const Eigen::VectorXd& q) override {
+    const Timer timer(stats_.seconds);
+    ++stats_.states;
+    return checker_.is_free(q, selection_, *scratch_);
+  }
+  const ValidityStats& stats() const override { return stats_; }
+
+ protected:
+  const collision::CollisionChecker& checker_;
+  const world::PairSelection selection_;
+  const std::unique_ptr<collision::CollisionChecker::Scratch> scratch_;
+  ValidityStats stats_;
+};
+
+class SampledValidity final : public CheckerValidity {
+ public:
+  SampledValidity(const collision::CollisionChecker& checker, world::PairSelection selection,
+                  double resolution)
+      : CheckerValidity(checker, std::move(selection)), resolution_(resolution) {}
+
+  bool edge(const Eigen::VectorXd& a, const Eigen::VectorXd& b) override {
+    expects(a.size() == b.size(), "both ends of an edge have the same size");
+    const Timer timer(stats_.seconds);
+    ++stats_.edges;
+    const double length = (b - a).lpNorm<1>();
+    expects(std::isfinite(length), "the ends of an edge are finite");
+    const auto n = static_cast<unsigned long>(std::max(1.0, std::ceil(length / resolution_)));
+    const auto free_at = [&](unsigned long k) {
+      // Both weights explicit: the same points, bit by bit, from either end.
+      const double u = static_cast<double>(k) / static_cast<double>(n);
+      const double v = static_cast<double>(n - k) / static_cast<double>(n);
+      q_ = v * a + u * b;
+      return checker_.is_free(q_, selection_, *scratch_);
+    };
+    // Coarse to fine finds collisions early; a is tried last, for planners start from valid states.
+    if (!free_at(n)) return false;
+    for (unsigned long stride = std::bit_ceil(n); stride > 1; stride /= 2) {
+      for (unsigned long k = stride / 2; k < n; k += stride) {
+        if (!free_at(k)) return false;
+      }
+    }
+    return free_at(0);
+  }
+
+ private:
+  double resolution_;
+  Eigen::VectorXd q_;
+};
+
+class CertifiedValidity final : public CheckerValidity {
+ public:
+  CertifiedValidity(const collision::SsvChecker& checker, world::PairSelection selection,
+                    const collision::CertificateOptions& options, StopCondition stop)
+      : CheckerValidity(checker, std::move(selection)),
+        ssv_checker_(checker),
+        options_(options),
+        stop_(std::move(stop)) {}
+
+  bool edge(const Eigen::VectorXd& a, const Eigen::VectorXd& b) override {
+    expects(a.size() == b.size(), "both ends of an edge have the same size");
+    const Timer timer(stats_.seconds);
+    ++stats_.edges;
+    // One direction for both, or rounding could tell them apart.
+    const bool forward = std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+    const motion::StraightEdge edge =
+        forward ? motion::StraightEdge(a, b) : motion::StraightEdge(b, a);
+    return collision::certify(ssv_checker_, edge, selection_, *scratch_, options_, stop_).is_free();
+  }
+
+ private:
+  const collision::SsvChecker& ssv_checker_;
+  collision::CertificateOptions options_;
+  StopCondition stop_;
+};
+
+}  // namespace
+
+std::unique_ptr<Validity> make_sampled_validity(const collision::CollisionChecker& checker,
+                                                world::PairSelection selection, double resolution) {
+  expects(resolution > 0, "the resolution of edges is positive");
+  return std::make_unique<SampledValidity>(checker, std::move(selection), resolution);
+}
+
+std::unique_ptr<Validity> make_certified_validity(const collision::SsvChecker& checker,
+                                                  world::PairSelection selection,
+                                                  const collision::CertificateOptions& options,
+                                                  const StopCondition& stop) {
+  return std::make_unique<CertifiedValidity>(checker, std::move(selection), options, stop);
+}
+
+double l1_extent(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
+  expects(lower.size() == upper.size(), "limits have the same size");
+  double extent = 0;
+  for (Eigen::Index j = 0; j < lower.size(); ++j) {
+    const double range = upper[j] - lower[j];
+    extent += std::isfinite(range) ? range : 2 * std::numbers::pi;
+  }
+  return extent;
+}
+
+}  // namespace tandem::planning

@@ -21,22 +21,26 @@ class Validity {
  public:
   virtual ~Validity() = default;
   virtual bool state(const Eigen::VectorXd& q) = 0;
-  /// The edge from a to b, both ends included.
+  /// The edge between a and b, both ends included; the same answer for (b, a).
   virtual bool edge(const Eigen::VectorXd& a, const Eigen::VectorXd& b) = 0;
   virtual const ValidityStats& stats() const = 0;
 };
 
 /// Checks an edge at points at most `resolution` apart in the sum of joint distances (L1) [rad].
-/// This is the paper's local planner: collisions between samples go unseen.
+/// This is the paper's local planner: collisions between samples go unseen, so a part of an
+/// accepted edge may be rejected. The checker must outlive it.
 std::unique_ptr<Validity> make_sampled_validity(const collision::CollisionChecker& checker,
                                                 world::PairSelection selection, double resolution);
 
-/// Accepts an edge only with the continuous-time certificate.
+/// Accepts an edge only with the continuous-time certificate. The checker must outlive it.
+/// @param stop  rejects edges once it says so, and ends a long certificate.
 std::unique_ptr<Validity> make_certified_validity(const collision::SsvChecker& checker,
                                                   world::PairSelection selection,
-                                                  const collision::CertificateOptions& options = {});
+                                                  const collision::CertificateOptions& options = {},
+                                                  const StopCondition& stop = {});
 
-/// The paper's extent of a planning space: the sum of joint ranges [rad].
+/// The paper's extent of a planning space: the sum of joint ranges, a joint without limits counted
+/// as one turn [rad]. Ref: "Planner Parameters".
 double l1_extent(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
 
 }  // namespace tandem::planning
