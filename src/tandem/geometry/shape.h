@@ -28,7 +28,7 @@ class Shape {
  public:
   /// @param p_FC  centre from Fo, expressed in F [m].   @param radius [m], > 0.
   /// Every factory: kInvalidInput with the offending value if one is not finite, a radius is
-  /// negative, or the shape would have no volume.
+  /// negative, a pose is not rigid, or the shape would have no volume. P = Q is a valid capsule.
   static Result<Shape> sphere(const Eigen::Vector3d& p_FC, double radius);
   static Result<Shape> capsule(const Eigen::Vector3d& p_FP, const Eigen::Vector3d& p_FQ,
                                double radius);
@@ -43,7 +43,8 @@ class Shape {
   static Result<Shape> box(const Eigen::Isometry3d& X_FC, const Eigen::Vector3d& size,
                            double radius = 0);
   /// Axis along z of C, flat ends.
-  /// @param core_radius [m] > 0.  @param length [m] > 0.  @param radius [m], >= 0 rounds it outward.
+  /// @param core_radius [m] > 0.  @param length [m] > 0.  @param radius [m], >= 0 rounds it
+  /// outward.
   static Result<Shape> cylinder(const Eigen::Isometry3d& X_FC, double core_radius, double length,
                                 double radius = 0);
 
@@ -51,6 +52,8 @@ class Shape {
   const Eigen::Vector3d& origin() const { return c_; }
   /// Columns are the vectors u above; those past `size_count()` are zero.
   const Eigen::Matrix3d& extents() const { return u_; }
+  /// 1 / |u|^2 of every extent [1/m^2], 0 where it is zero: what makes projections on u cheap.
+  const Eigen::Vector3d& inverse_squares() const { return inverse_squares_; }
   int size_count() const;
   double radius() const { return radius_; }
   double core_radius() const { return core_radius_; }
@@ -72,12 +75,12 @@ class Shape {
 
  private:
   Shape(CoreType type, const Eigen::Vector3d& c, const Eigen::Matrix3d& u, double core_radius,
-        double radius)
-      : type_(type), c_(c), u_(u), core_radius_(core_radius), radius_(radius) {}
+        double radius);
 
   CoreType type_;
   Eigen::Vector3d c_;
   Eigen::Matrix3d u_;
+  Eigen::Vector3d inverse_squares_;
   double core_radius_;  // Of a cylinder, else 0.
   double radius_;
 };

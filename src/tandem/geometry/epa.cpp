@@ -1,0 +1,153 @@
+#include "tandem/geometry/epa.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <queue>
+#include <vector>
+
+#include "tandem/geometry/polytope.h"
+
+namespace tandem::geometry::detail {
+
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr int kNone = -1;
+/// [m] Facets whose plane is nearer to a new vertex than this are replaced: a facet between the two
+/// might have no area.
+constexpr double kCoplanar = 1e-13;
+
+struct Facet {
+  std::array<int, 3> vertices;    ///< Counter-clockwise from outside.
+  std::array<int, 3> neighbours;  ///< Across the edge from vertex i to vertex i + 1.
+  Vector3d nhat;
+  double offset;  ///< Of its plane from the origin, along nhat.
+  bool alive = true;
+};
+
+/// A convex polytope with triangular facets that grows by one vertex at a time.
+class Polytope {
+ public:
+  /// The octahedron c +- x, +- y, +- z.
+  Polytope(const Vector3d& c, const Vector3d& x, const Vector3d& y, const Vector3d& z) {
+    vertices_ = {c + x, c - x, c + y, c - y, c + z, c - z};
+    for (int i = 0; i < 8; ++i) {
+      const int vx = i & 1 ? 1 : 0, vy = i & 2 ? 3 : 2, vz = i & 4 ? 5 : 4;
+      const bool even = (vx + vy + vz) % 2 == 0;
+      // Neighbours differ in the sign of the axis whose vertex the edge leaves out.
+      if (even) {
+        add({vx, vy, vz}, {i ^ 4, i ^ 1, i ^ 2});
+      } else {
+        add({vx, vz, vy}, {i ^ 2, i ^ 1, i ^ 4});
+      }
+    }
+  }
+
+  /// The facet whose plane is nearest to the origin, counting outside as negative.
+  const Facet& nearest() {
+    while (!facets_[static_cast<std::size_t>(queue_.top().second)].alive) queue_.pop();
+    return facets_[static_cast<std::size_t>(queue_.top().second)];
+  }
+
+  /// Makes the nearest facet's surroundings reach out to `w`, which lies beyond that facet.
+  /// @return false if rounding left no valid polytope: then it must not be used again.
+  bool expand_nearest(const Vector3d& w);
+
+ private:
+  bool add(const std::array<int, 3>& vertices, const std::array<int, 3>& neighbours) {
+    const Vector3d& p = vertices_[static_cast<std::size_t>(vertices[0])];
+    const Vector3d u = vertices_[static_cast<std::size_t>(vertices[1])] - p;
+    const Vector3d v = vertices_[static_cast<std::size_t>(vertices[2])] - p;
+    const Vector3d n = accurate_cross(u, v);
+    const double length = n.norm();
+    if (!(length > 0)) return false;
+    facets_.push_back({vertices, neighbours, n / length, n.dot(p) / length});
+    queue_.emplace(-facets_.back().offset, static_cast<int>(facets_.size()) - 1);
+    return true;
+  }
+  Facet& facet(int i) { return facets_[static_cast<std::size_t>(i)]; }
+
+  std::vector<Vector3d> vertices_;
+  std::vector<Facet> facets_;
+  std::priority_queue<std::pair<double, int>> queue_;
+};
+
+bool Polytope::expand_nearest(const Vector3d& w) {
+  struct Rim {
+    int from, to, outer, inner;  // Edge, the facet that stays, the facet that goes.
+  };
+  nearest();
+  std::vector<int> gone{queue_.top().second};
+  std::vector<Rim> rims;
+  facet(gone[0]).alive = false;
+  for (std::size_t i = 0; i < gone.size(); ++i) {
+    const Facet current = facet(gone[i]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      Facet& next = facet(current.neighbours[k]);
+      if (!next.alive) continue;
+      if (next.nhat.dot(w) > next.offset - kCoplanar) {
+        next.alive = false;
+        gone.push_back(current.neighbours[k]);
+      } else {
+        rims.push_back(
+            {current.vertices[k], current.vertices[(k + 1) % 3], current.neighbours[k], gone[i]});
+      }
+    }
+  }
+  // A facet seen late may have been put on the rim before.
+  std::erase_if(rims, [&](const Rim& rim) { return !facet(rim.outer).alive; });
+
+  const int apex = static_cast<int>(vertices_.size());
+  vertices_.push_back(w);
+  const int first = static_cast<int>(facets_.size()), count = static_cast<int>(rims.size());
+  std::vector<int> starting_at(vertices_.size(), kNone);
+  for (int i = 0; i < count; ++i) {
+    int& slot = starting_at[static_cast<std::size_t>(rims[static_cast<std::size_t>(i)].from)];
+    if (slot != kNone) return false;
+    slot = first + i;
+  }
+  for (const Rim& rim : rims) {
+    if (starting_at[static_cast<std::size_t>(rim.to)] == kNone) return false;
+    if (!add({rim.from, rim.to, apex},
+             {rim.outer, starting_at[static_cast<std::size_t>(rim.to)], kNone})) {
+      return false;
+    }
+  }
+  for (int i = 0; i < count; ++i) {
+    facet(facet(first + i).neighbours[1]).neighbours[2] = first + i;
+    const Rim& rim = rims[static_cast<std::size_t>(i)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      Facet& outer = facet(rim.outer);
+      if (outer.neighbours[k] == rim.inner && outer.vertices[k] == rim.to) {
+        outer.neighbours[k] = first + i;
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+Separation expand_polytope(const Shape& a, const Shape& b, const Separation& guess) {
+  constexpr int kSteps = 1000;
+  constexpr double kTolerance = 1e-9;  // [m]
+  const Shape& cylinder = a.type() == CoreType::kCylinder ? a : b;
+  const Vector3d z = cylinder.extents().col(0);
+  const Vector3d x = cylinder.core_radius() * z.unitOrthogonal();
+  const Vector3d y = z.normalized().cross(x);
+  Polytope polytope(b.origin() - a.origin(), x, y, z);
+  Separation best = guess;
+  for (int step = 0; step < kSteps; ++step) {
+    const Facet nearest = polytope.nearest();
+    if (-best.gap <= nearest.offset + kTolerance) break;
+    const Vector3d w = b.support(nearest.nhat) - a.support(-nearest.nhat);
+    const double reach = w.dot(nearest.nhat);
+    if (-reach > best.gap) best = {nearest.nhat, -reach};
+    if (reach <= nearest.offset + kTolerance || !polytope.expand_nearest(w)) break;
+  }
+  return best;
+}
+
+}  // namespace tandem::geometry::detail

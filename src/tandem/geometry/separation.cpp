@@ -1,0 +1,141 @@
+#include "tandem/geometry/separation.h"
+
+#include <cmath>
+#include <limits>
+
+#include "tandem/geometry/epa.h"
+#include "tandem/geometry/polytope.h"
+
+namespace tandem::geometry::detail {
+
+using Eigen::Vector3d;
+
+namespace {
+
+struct Interval {
+  double low, high;
+};
+
+/// Extent of the core along `nhat`, from its origin.
+Interval project(const Shape& shape, const Vector3d& nhat) {
+  const auto& u = shape.extents();
+  if (shape.type() == CoreType::kTriangle) {
+    const double q = u.col(0).dot(nhat), r = u.col(1).dot(nhat);
+    return {std::min({0.0, q, r}), std::max({0.0, q, r})};
+  }
+  double reach = 0;
+  for (int i = 0; i < shape.size_count(); ++i) reach += std::abs(u.col(i).dot(nhat));
+  if (shape.type() == CoreType::kCylinder) {
+    const Vector3d axis = u.col(0);
+    reach += shape.core_radius() * std::sqrt(shape.inverse_squares()[0]) * axis.cross(nhat).norm();
+  }
+  return {-reach, reach};
+}
+
+/// Up to three vectors.
+struct Directions {
+  Vector3d list[3];
+  int count = 0;
+
+  void add(const Vector3d& v) { list[count++] = v; }
+  const Vector3d* begin() const { return list; }
+  const Vector3d* end() const { return list + count; }
+};
+
+/// One vector along every family of parallel edges; of a cylinder, along its side.
+Directions edges(const Shape& shape) {
+  Directions edges;
+  for (int i = 0; i < shape.size_count(); ++i) edges.add(shape.extents().col(i));
+  if (shape.type() == CoreType::kTriangle) edges.add(edges.list[1] - edges.list[0]);
+  return edges;
+}
+
+Directions face_normals(const Shape& shape) {
+  Directions normals;
+  switch (shape.type()) {
+    case CoreType::kPoint:
+    case CoreType::kSegment:
+      break;
+    case CoreType::kTriangle:
+    case CoreType::kRectangle:
+      normals.add(accurate_cross(shape.extents().col(0), shape.extents().col(1)));
+      break;
+    case CoreType::kBox:
+    case CoreType::kCylinder:
+      normals = edges(shape);
+      break;
+  }
+  return normals;
+}
+
+/// Keeps the best of the directions it is shown, both ways each.
+class Search {
+ public:
+  Search(const Shape& a, const Shape& b) : a_(a), b_(b), p_ba_(a.origin() - b.origin()) {}
+
+  void consider(const Vector3d& n) {
+    // Scaled first: the square of a short vector may underflow.
+    const double largest = n.cwiseAbs().maxCoeff();
+    if (!(largest > 0)) return;
+    Vector3d nhat = n / largest;
+    nhat /= nhat.norm();
+    const Interval a = project(a_, nhat), b = project(b_, nhat);
+    const double between = p_ba_.dot(nhat);
+    keep(nhat, between + a.low - b.high);
+    keep(-nhat, b.low - a.high - between);
+  }
+
+  const Separation& best() const { return best_; }
+
+ private:
+  void keep(const Vector3d& nhat, double gap) {
+    if (gap > best_.gap) best_ = {nhat, gap};
+  }
+
+  const Shape& a_;
+  const Shape& b_;
+  Vector3d p_ba_;
+  Separation best_{Vector3d::UnitZ(), -std::numeric_limits<double>::max()};
+};
+
+/// A vector normal to the longest of the edges: the last resort where all of them are parallel.
+Vector3d normal_to_all(const Directions& a, const Directions& b) {
+  Vector3d longest = Vector3d::Zero();
+  for (const Directions* edges : {&a, &b}) {
+    for (const Vector3d& u : *edges) {
+      if (u.squaredNorm() > longest.squaredNorm()) longest = u;
+    }
+  }
+  return longest.squaredNorm() > 0 ? longest.unitOrthogonal() : Vector3d::UnitZ();
+}
+
+}  // namespace
+
+double separation(const Shape& a, const Shape& b, const Vector3d& nhat) {
+  return (a.origin() - b.origin()).dot(nhat) + project(a, nhat).low - project(b, nhat).high;
+}
+
+Separation best_separation(const Shape& a, const Shape& b, const Nearest& nearest) {
+  Search search(a, b);
+  // The facets of A - B: those of A, those of B, and those that two edges span.
+  for (const Vector3d& n : face_normals(a)) search.consider(n);
+  for (const Vector3d& n : face_normals(b)) search.consider(n);
+  const Directions edges_a = edges(a), edges_b = edges(b);
+  for (const Vector3d& u : edges_a) {
+    for (const Vector3d& v : edges_b) search.consider(accurate_cross(u, v));
+  }
+  // Where no facet exists (all edges parallel) every normal to them is as good.
+  search.consider(normal_to_all(edges_a, edges_b));
+  // Still apart at a corner or edge: what is left of the gap, freed of its noise along an edge.
+  const Vector3d& e = nearest.p_BA_W;
+  search.consider(e);
+  for (const Directions* edges : {&edges_a, &edges_b}) {
+    for (const Vector3d& u : *edges) {
+      if (u.squaredNorm() > 0) search.consider(e - u * (u.dot(e) / u.squaredNorm()));
+    }
+  }
+  const bool curved = a.type() == CoreType::kCylinder || b.type() == CoreType::kCylinder;
+  return curved ? expand_polytope(a, b, search.best()) : search.best();
+}
+
+}  // namespace tandem::geometry::detail

@@ -1,0 +1,22 @@
+#pragma once
+/// How far apart two cores are along a direction, and the direction that sets them furthest apart.
+
+#include "tandem/geometry/orthotope.h"
+
+namespace tandem::geometry::detail {
+
+/// Gap of the cores seen along a unit vector: least of A minus greatest of B. It never exceeds
+/// their distance, and reaches it, the depth with a minus sign in overlap, at the best `nhat`.
+struct Separation {
+  Eigen::Vector3d nhat_BA_W;
+  double gap;  ///< [m]
+};
+
+/// @param nhat [-] unit.   @return gap [m] of the cores along it.
+double separation(const Shape& a, const Shape& b, const Eigen::Vector3d& nhat);
+
+/// The best separation of cores that overlap, touch, or are so near (1e-8 m) that `nearest` alone
+/// says little about the direction.
+Separation best_separation(const Shape& a, const Shape& b, const Nearest& nearest);
+
+}  // namespace tandem::geometry::detail
