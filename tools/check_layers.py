@@ -223,7 +223,8 @@ def check_include(path, number, include, context, findings):
     reason = objection(component, used)
     if reason:
         findings.add(path, number, reason)
-    elif relative.endswith(".h") and relative not in public_headers and (public or used != component):
+    elif relative.endswith(".h") and relative not in public_headers and (
+            public or used not in (component, component.split("/")[0])):
         findings.add(path, number, f'"{target}" is private to its folder: list it under HEADERS of '
                                    "its CMakeLists.txt, or do not include it here")
 

@@ -28,7 +28,8 @@ GOOD = {
     "src/tandem/collision/inner.h": "#pragma once\n#include <fcl/fcl.h>\n",
     "src/tandem/collision/c.cpp": '#include "tandem/collision/inner.h"\n',
     "src/tandem/collision/fcl/f.h": '#pragma once\n#include "tandem/collision/c.h"\n',
-    "src/tandem/collision/fcl/f.cpp": '#include "tandem/collision/fcl/f.h"\n',
+    "src/tandem/collision/fcl/f.cpp":
+        '#include "tandem/collision/fcl/f.h"\n#include "tandem/collision/inner.h"\n',
     "src/tandem/planning/CMakeLists.txt": "tandem_module(NAME planning SOURCES p.cpp)\n",
     "src/tandem/planning/p.cpp": '#include "tandem/collision/c.h"\n',
     "src/tandem/pipeline/CMakeLists.txt": "tandem_module(NAME pipeline SOURCES p.cpp)\n",

@@ -95,8 +95,10 @@ double JsonReader::non_negative() const {
   return value;
 }
 
-std::uint64_t JsonReader::count() const {
-  if (!value_->is_number_unsigned()) refuse("a whole number from 0 to 18446744073709551615");
+std::uint64_t JsonReader::count(std::uint64_t most) const {
+  if (!value_->is_number_unsigned() || value_->get<std::uint64_t>() > most) {
+    refuse("a whole number from 0 to " + std::to_string(most));
+  }
   return value_->get<std::uint64_t>();
 }
 

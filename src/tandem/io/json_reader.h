@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <initializer_list>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -37,7 +38,8 @@ class JsonReader {
 
   double number() const;
   double non_negative() const;
-  std::uint64_t count() const;  ///< Whole and not negative.
+  /// Whole, from 0 to `most`.
+  std::uint64_t count(std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) const;
   std::string text() const;
   std::string name() const;  ///< Text that is not empty.
   std::vector<double> numbers() const;

@@ -18,6 +18,11 @@ std::vector<std::string> names_of(const Keys& keys) {
   return names;
 }
 
+template <class Integer>
+Integer whole(const JsonReader& number) {
+  return static_cast<Integer>(number.count(std::numeric_limits<Integer>::max()));
+}
+
 std::vector<std::string> unique_names(const JsonReader& list, const std::string& what) {
   std::vector<std::string> names;
   for (const JsonReader& item : list.items()) {
@@ -75,7 +80,7 @@ pipeline::PlanReport read_report(const JsonReader& json, const std::vector<std::
   }
   json["counts"].expect_keys(names_of(kCountKeys));
   for (const auto& [key, member] : kCountKeys) {
-    report.counts.*member = static_cast<long>(json["counts"][key].count());
+    report.counts.*member = whole<long>(json["counts"][key]);
   }
   if (!json["arms"].keys().empty()) {
     json["arms"].expect_keys(arms);
@@ -88,7 +93,7 @@ pipeline::PlanReport read_report(const JsonReader& json, const std::vector<std::
     }
   }
   for (const std::string& rung : json["rungs"].keys()) {
-    report.rungs[rung] = static_cast<int>(json["rungs"][rung].count());
+    report.rungs[rung] = whole<int>(json["rungs"][rung]);
   }
   return report;
 }
