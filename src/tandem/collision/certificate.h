@@ -19,9 +19,9 @@ struct Certificate {
   Verdict verdict = Verdict::kUndecided;
   /// Every pair keeps at least this distance at every time [m]; meaningful if kFree, > 0.
   double least_clearance = std::numeric_limits<double>::infinity();
-  double time = 0;   ///< [s] where it failed; if free, near where the least clearance is.
-  int pair = -1;     ///< The pair it failed on, or the nearest one.
-  double depth = 0;  ///< [m] if kCollision: overlap at `time`, >= 0.
+  double time = 0;       ///< [s] where it failed; if free, near where the least clearance is.
+  int pair = -1;         ///< The pair it failed on, or the nearest one.
+  double depth = 0;      ///< [m] if kCollision: overlap at `time`, >= 0.
   long evaluations = 0;  ///< Configurations placed.
   bool stopped = false;  ///< The stop condition ended it: kUndecided.
 

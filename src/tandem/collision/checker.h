@@ -11,8 +11,8 @@ namespace tandem::collision {
 
 /// Nearest approach of one pair of bodies.
 struct PairClearance {
-  int pair = -1;             ///< Index into Workcell::pairs(); -1 if there was no pair.
-  double distance = 0;       ///< [m] signed, padding included; +infinity if there was no pair.
+  int pair = -1;        ///< Index into Workcell::pairs(); -1 if there was no pair.
+  double distance = 0;  ///< [m] signed, padding included; +infinity if there was no pair.
   Eigen::Vector3d nhat_BA_W = Eigen::Vector3d::UnitZ();  ///< Moving A along it raises distance.
   Eigen::Vector3d p_WCa = Eigen::Vector3d::Zero();       ///< Witness points on the padded bodies.
   Eigen::Vector3d p_WCb = Eigen::Vector3d::Zero();

@@ -5,6 +5,8 @@
 
 namespace tandem::collision {
 
+struct SsvModel;
+
 /// Bounding spheres first, then the cores. The scalar reference of the batch path.
 class SsvChecker final : public CollisionChecker {
  public:
@@ -18,9 +20,8 @@ class SsvChecker final : public CollisionChecker {
   PairClearance least_clearance(const Eigen::Ref<const Eigen::VectorXd>& q,
                                 const world::PairSelection& selection,
                                 CollisionChecker::Scratch& scratch) const override;
-  void clearances(const Eigen::Ref<const Eigen::VectorXd>& q,
-                  const world::PairSelection& selection, double within,
-                  CollisionChecker::Scratch& scratch,
+  void clearances(const Eigen::Ref<const Eigen::VectorXd>& q, const world::PairSelection& selection,
+                  double within, CollisionChecker::Scratch& scratch,
                   std::vector<PairClearance>& out) const override;
 
   /// Places the cell at q; the pair queries below refer to it.
@@ -29,17 +30,19 @@ class SsvChecker final : public CollisionChecker {
   /// spheres already prove more than `needed`, that lower bound.
   double pair_distance(int pair, double needed, CollisionChecker::Scratch& scratch) const;
 
-  /// How far, at most, a point of body `b` moves per unit motion of entry j of q, over all
-  /// configurations inside the joint limits [m/rad or -]; 0 for joints that do not move it.
+  /// How far, at most, a point of a core of body `body` moves per unit motion of entry j of q, over
+  /// all configurations inside the joint limits [m/rad or -]; 0 for joints that do not move it.
+  /// The shapes swept around the cores come no further: a ball looks the same turned.
   /// Ref: methods, "Continuous-time certificate".
   double lever_arm(int body, int j) const { return lever_arms_(body, j); }
 
+  /// The compiled cell, for the certificate.
+  const SsvModel& model() const { return *model_; }
+
  private:
-  class Scratch;
   std::shared_ptr<const world::Workcell> cell_;
+  std::unique_ptr<const SsvModel> model_;
   Eigen::MatrixXd lever_arms_;  // bodies x dof
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace tandem::collision
