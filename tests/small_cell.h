@@ -88,8 +88,8 @@ inline world::WorkcellSpec small_cell_spec() {
   };
   spec.queries = {
       {"cross",
-       {{"left", goal(0.6, -0.2, 0.3, 0)}, {"right", goal(0.9, -0.3, 0.4, 0)}},
-       {{"left", goal(-0.6, -0.2, 0.3, 0)}, {"right", goal(-0.9, -0.3, 0.4, 0)}}},
+       {{"left", goal(1.0, -0.2, 0.3, 0)}, {"right", goal(0.9, -0.3, 0.4, 0)}},
+       {{"left", goal(-0.8, -0.2, 0.3, 0)}, {"right", goal(-0.9, -0.3, 0.4, 0)}}},
       {"back", {}, {{"left", world::StateGoal{"up"}}, {"right", world::StateGoal{"up"}}}}};
   return spec;
 }
