@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kMostNodes = 1'000'000;
 constexpr std::size_t kMostLevels = 100;
 
-std::string quote(std::string_view text) { return "'" + std::string(text) + "'"; }
+std::string quote(std::string_view text) { return std::string("'").append(text).append("'"); }
 
 std::string listed(const std::vector<std::string>& names) {
   std::string text;
@@ -114,7 +114,13 @@ class YamlTreeBuilder final : public YAML::EventHandler {
       return;
     }
     if (parent.node.kind_ == YamlNode::Kind::kMap) {
-      parent.node.keys_.push_back(std::move(parent.key.back()));
+      const YamlNode::Key& key = parent.key.back();
+      // The parser places what is absent at the next token, lines below.
+      if (node.kind_ == YamlNode::Kind::kNull) {
+        node.line_ = key.line;
+        node.column_ = key.column;
+      }
+      parent.node.keys_.push_back(key);
       parent.key.clear();
     }
     parent.node.size_ += node.size_;
@@ -139,7 +145,7 @@ class YamlTreeBuilder final : public YAML::EventHandler {
     for (std::size_t i = 0; i < node.children_.size(); ++i) {
       label(node.children_[i], node.kind_ == YamlNode::Kind::kMap
                                    ? node.keys_[i].name
-                                   : name + "[" + std::to_string(i) + "]");
+                                   : name + '[' + std::to_string(i) + ']');
     }
   }
 
@@ -176,10 +182,11 @@ YamlNode YamlNode::load(const std::filesystem::path& file) {
       second.root().refuse("a second document begins; keep one per file");
     }
   } catch (const YAML::Exception& error) {
-    const std::string place = error.mark.is_null()
-                                  ? ""
-                                  : ":" + std::to_string(error.mark.line + 1) + ":" +
-                                        std::to_string(error.mark.column + 1);
+    std::string place;
+    if (!error.mark.is_null()) {
+      place.append(":").append(std::to_string(error.mark.line + 1));
+      place.append(":").append(std::to_string(error.mark.column + 1));
+    }
     throw YamlError{{ErrorCode::kInvalidInput, file.string() + place + ": not YAML: " + error.msg}};
   }
   return builder.finish();
