@@ -13,7 +13,7 @@ namespace tandem::trajectory {
 /// Largest absolute values over the whole motion, per joint; exact (knots, segment ends and the
 /// stationary points of every cubic).
 struct Extremes {
-  Eigen::VectorXd lowest, highest;              ///< Position.
+  Eigen::VectorXd lowest, highest;               ///< Position.
   Eigen::VectorXd velocity, acceleration, jerk;  ///< Largest absolute value.
 };
 Extremes extremes(const motion::PiecewiseCubic& motion);
@@ -26,12 +26,13 @@ struct LimitViolation {
   double value = 0, limit = 0;
 };
 
-/// Violations beyond `tolerance` (relative to the limit; absolute for positions), worst first.
+/// Violations beyond `tolerance` (relative to the limit; absolute for positions), worst first. With
+/// tolerance 0 the comparison is exact: a value equal to its limit is no violation.
 std::vector<LimitViolation> check_limits(const motion::PiecewiseCubic& motion,
                                          const std::vector<robot::JointLimits>& limits,
                                          double tolerance = 1e-6);
 
-/// "velocity of left/panda_joint2 reaches 2.3 rad/s, its limit is 2.175"
+/// "velocity of left/panda_joint2 reaches 2.3, its limit is 2.175 [rad/s or m/s]"
 std::string describe(const LimitViolation& violation, const std::vector<std::string>& joint_names);
 
 /// Factor by which time must be stretched so that velocity, acceleration and jerk hold (1 = just).

@@ -19,6 +19,8 @@ motion::PiecewiseCubic fit_spline(const motion::JointPath& waypoints,
                                   std::span<const double> durations);
 
 /// Knot index of waypoint i of `count` in the spline above.
-inline int knot_of_waypoint(int i, int count) { return i == 0 ? 0 : i == count - 1 ? count + 1 : i + 1; }
+inline int knot_of_waypoint(int i, int count) {
+  return i == 0 ? 0 : i == count - 1 ? count + 1 : i + 1;
+}
 
 }  // namespace tandem::trajectory
