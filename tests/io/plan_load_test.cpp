@@ -18,6 +18,10 @@ struct Damage {
   std::vector<const char*> words;  ///< That the message must have.
 };
 
+std::ostream& operator<<(std::ostream& out, const Damage& damage) {
+  return out << damage.pointer << " := " << damage.value;
+}
+
 std::string good_plan() {
   const auto cell = test::small_cell();
   return *plan_json(test::rough_plan(*cell, 6), *cell, "plan.json");
@@ -163,6 +167,7 @@ TEST(LoadPlan, NoFileAndNoReadableFile) {
   const auto directory = load_plan(folder.path());
   ASSERT_FALSE(directory);
   EXPECT_EQ(directory.error().code, ErrorCode::kIo);
+  EXPECT_NE(directory.error().message.find(folder.path().string()), std::string::npos);
 }
 
 }  // namespace

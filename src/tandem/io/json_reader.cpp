@@ -46,6 +46,10 @@ void JsonReader::refuse(const std::string& expected) const {
                 ", expected " + expected};
 }
 
+void JsonReader::complain(const std::string& message) const {
+  throw BadJson{where_ + ": " + message};
+}
+
 void JsonReader::expect_keys(const std::vector<std::string>& expected) const {
   for (const std::string& key : keys()) {
     if (std::find(expected.begin(), expected.end(), key) == expected.end()) {
@@ -130,13 +134,13 @@ Eigen::VectorXd JsonReader::vector(Eigen::Index size, const std::string& what) c
 Result<nlohmann::json> parse_json_file(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) {
-    return fail(ErrorCode::kNotFound, file.string() + " does not exist");
+    return fail(ErrorCode::kNotFound, file.string() + ": does not exist");
   }
   std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (!stream || std::filesystem::is_directory(file, error)) {
-    return fail(ErrorCode::kIo, "cannot read " + file.string());
+    return fail(ErrorCode::kIo, file.string() + ": cannot be read; is it a file you may read?");
   }
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
   try {
     return nlohmann::json::parse(text, RepeatedKeys());
   } catch (const nlohmann::json::exception& bad) {

@@ -46,7 +46,10 @@ class JsonReader {
   Eigen::VectorXd vector(Eigen::Index size, const std::string& what) const;
   bool is_null() const { return value_->is_null(); }
 
+  /// "WHERE is VALUE, expected EXPECTED".
   [[noreturn]] void refuse(const std::string& expected) const;
+  /// "WHERE: MESSAGE".
+  [[noreturn]] void complain(const std::string& message) const;
 
  private:
   const nlohmann::json* value_;

@@ -52,7 +52,7 @@ Result<void> save_csv(const std::filesystem::path& file, const motion::Motion& m
   }
   text += '\n';
   // A sample that rounding puts just before the end would double the last row.
-  const double samples = std::ceil(motion.duration() * rate - 1e-6);
+  const double samples = std::ceil(motion.duration() * rate - 1e-9);
   for (double k = 0; k < samples; ++k) append_row(text, k / rate, motion.at(k / rate));
   append_row(text, motion.duration(), motion.at(motion.duration()));
   return write_file(file, text, overwrite);

@@ -58,7 +58,7 @@ motion::PiecewiseCubic read_spline(const JsonReader& arm, Eigen::Index dof) {
                                " knots");
   }
   auto spline = motion::PiecewiseCubic::make(std::move(knots), std::move(segments));
-  if (!spline) throw BadJson{arm["name"].text() + ": " + spline.error().message};
+  if (!spline) arm.complain(spline.error().message);
   return std::move(*spline);
 }
 
