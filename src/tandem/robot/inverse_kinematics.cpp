@@ -145,7 +145,7 @@ std::string Solver::out_of_reach() const {
   }
   reach += (X_AB * problem_.X_LE).translation().norm();
   const double distance = (problem_.X_WE.translation() - p_WA).norm();
-  if (distance <= reach + options_.position_tolerance) return {};
+  if (!(distance > reach + options_.position_tolerance)) return {};
   return "the goal is " + to_text(distance) + " m from joint '" + first.name +
          "', from where the chain reaches " + to_text(reach) + " m at most";
 }
@@ -276,8 +276,10 @@ void check(const IkProblem& problem) {
   for (const int column : problem.columns) {
     expects(column >= 0 && column < model.position_count(), "problem.columns are positions");
   }
-  expects(problem.X_WE.matrix().allFinite() && problem.X_LE.matrix().allFinite(),
-          "problem.X_WE and X_LE are finite");
+  for (const Eigen::Isometry3d& X : {problem.X_WE, problem.X_LE}) {
+    expects(X.matrix().allFinite() && X.linear().isUnitary(1e-6),
+            "problem.X_WE and X_LE are finite and rigid");
+  }
 }
 
 std::string miss(const Residual& residual) {

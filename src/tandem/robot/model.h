@@ -40,7 +40,7 @@ struct Joint {
   int parent_link = -1;
   int child_link = -1;
   Eigen::Isometry3d X_PJ = Eigen::Isometry3d::Identity();  ///< Joint frame in the parent link.
-  Eigen::Vector3d axis_J = Eigen::Vector3d::UnitX();       ///< Unit, in the joint frame.
+  Eigen::Vector3d axis_J = Eigen::Vector3d::UnitX();  ///< Unit unless fixed, in the joint frame.
   JointLimits limits;
   std::optional<Mimic> mimic;
   int position_index = -1;  ///< Into the position vector; -1 for fixed joints and mimics.
