@@ -53,7 +53,7 @@ class PathSimplifier {
   virtual ~PathSimplifier() = default;
   /// @param path  at least two waypoints, its edges accepted by `validity`.
   /// @return the ends of `path` (bit by bit), every edge accepted by `validity`, duplicates
-  /// dropped. On a stop the best path so far, within 10 ms.
+  /// dropped, no longer than `path` (joint_length). On a stop the best path so far, within 10 ms.
   virtual motion::JointPath simplify(const PathProblem& problem, motion::JointPath path,
                                      Validity& validity, std::uint64_t seed,
                                      const StopCondition& stop) const = 0;

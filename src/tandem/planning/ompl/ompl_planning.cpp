@@ -289,6 +289,10 @@ class OmplSimplifier final : public PathSimplifier {
     setup.questions.accept(path);
     const auto keep = [&](motion::JointPath candidate) {
       candidate = without_duplicates(candidate);
+      // OMPL mends rejected edges by random detours.
+      constexpr double kRounding = 1e-12;
+      const double longest = motion::joint_length(path) * (1 + kRounding);
+      if (motion::joint_length(candidate) > longest) return;
       if (setup.questions.edges(candidate)) path = std::move(candidate);
     };
     keep(path);
