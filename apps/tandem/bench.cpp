@@ -1,0 +1,109 @@
+#include "tandem/pipeline/bench.h"
+
+#include <iostream>
+#include <map>
+
+#include "commands.h"
+#include "options.h"
+#include "stop_signals.h"
+#include "tandem/io/bench_file.h"
+#include "tandem/io/plan_file.h"
+
+namespace tandem::app {
+
+namespace {
+
+struct BenchCommand {
+  CellOptions cell;
+  PlanningOptions planning;
+  int cycles = 1;
+  std::string json;
+  bool force = false;
+};
+
+/// One line on a terminal, written over and over.
+class Progress {
+ public:
+  void operator()(const pipeline::BenchRun& run, int done, int total) {
+    if (!shows_progress()) return;
+    failed_ += run.success ? 0 : 1;
+    std::cerr << "\r\033[K" << done << "/" << total << ", " << failed_ << " failed, " << run.query
+              << std::flush;
+  }
+  void clear() const {
+    if (shows_progress()) std::cerr << "\r\033[K" << std::flush;
+  }
+
+ private:
+  int failed_ = 0;
+};
+
+/// One message per query and kind of failure: a thousand runs fail in few ways.
+void print_failures(const pipeline::BenchResult& result) {
+  std::map<std::pair<std::string, ErrorCode>, std::pair<const pipeline::BenchRun*, int>> kinds;
+  for (const pipeline::BenchRun& run : result.runs) {
+    if (run.success) continue;
+    auto& [first, count] = kinds[{run.query, run.failure}];
+    if (count++ == 0) first = &run;
+  }
+  for (const auto& [kind, example] : kinds) {
+    std::cerr << "tandem bench: " << kind.first << " failed " << example.second
+              << (example.second == 1 ? " time" : " times") << " by " << to_string(kind.second)
+              << ", e.g. in cycle " << example.first->cycle << ": " << example.first->message
+              << std::endl;
+  }
+}
+
+int run(const BenchCommand& command) {
+  const auto failed = [](const Error& error) { return report("bench", error); };
+  if (!command.json.empty()) {
+    auto writable = io::check_writable(command.json, command.force);
+    if (!writable) return failed(writable.error());
+  }
+  const StopSignals signals;
+  const auto cell = command.cell.load();
+  if (!cell) return failed(cell.error());
+  Progress progress;
+  const auto result = pipeline::bench(*cell, command.cycles, command.planning.with(signals.token()),
+                                      std::ref(progress));
+  progress.clear();
+  if (!result) return failed(result.error());
+  if (!command.json.empty()) {
+    auto written = io::write_file(command.json, io::bench_json(*result), command.force);
+    if (!written) return failed(written.error());
+  }
+  const int printed = print("bench", io::bench_table(*result));
+  print_failures(*result);
+  if (result->cycles < command.cycles) {
+    std::cerr << "tandem bench: interrupted after " << result->runs.size() << " runs" << std::endl;
+    return kInterrupted;
+  }
+  return printed;
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, int& exit_code) {
+  CLI::App* sub = app.add_subcommand("bench", "Plan all queries of a workcell again and again");
+  auto command = std::make_shared<BenchCommand>();
+  command->cell.add_to(*sub);
+  sub->add_option("--cycles", command->cycles, "How often each query is planned")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(whole_number(1));
+  sub->add_option("--json", command->json, "Write the statistics here")->type_name("FILE");
+  add_force(*sub, command->force);
+  command->planning.add_to(*sub);
+  sub->footer(
+      "Prints a table: mean, deviation, percentiles and maximum per module, failures by kind, the\n"
+      "fallbacks taken, and a row per query. Statistics are over successful runs. Run k has seed\n"
+      "SEED + k. Interrupted, it keeps what it has.\n\n"
+      "Example:\n"
+      "  tandem bench scenarios/gearbox/workcell.yaml --cycles 100 --preset paper --json "
+      "paper.json\n\n"
+      "Exit codes: 0 all cycles were run (failed queries are a result), 1 a query cannot be stood\n"
+      "at, 2 options or files that cannot be used, 130 interrupted.");
+  sub->callback([command, &exit_code] { exit_code = run(*command); });
+}
+
+}  // namespace tandem::app

@@ -1,0 +1,112 @@
+#include "commands.h"
+#include "options.h"
+#include "stop_signals.h"
+#include "tandem/io/plan_file.h"
+#include "tandem/io/table.h"
+
+namespace tandem::app {
+
+namespace {
+
+struct PlanCommand {
+  CellOptions cell;
+  PlanningOptions planning;
+  std::string query, output, csv;
+  double rate = 1000;
+  bool json = false, force = false;
+};
+
+Result<void> check_outputs(const PlanCommand& command) {
+  if (!command.output.empty() && command.output == command.csv) {
+    return fail(ErrorCode::kInvalidInput, "-o and --csv name the same file, " + command.csv);
+  }
+  for (const std::string& file : {command.output, command.csv}) {
+    if (file.empty()) continue;
+    if (auto writable = io::check_writable(file, command.force); !writable) return writable;
+  }
+  return {};
+}
+
+Result<void> save(const PlanCommand& command, const pipeline::Plan& plan,
+                  const world::Workcell& cell) {
+  if (!command.output.empty()) {
+    auto saved = io::save_plan(command.output, plan, cell, command.force);
+    if (!saved) return saved;
+  }
+  if (command.csv.empty()) return {};
+  return io::save_csv(command.csv, plan.trajectory, cell.joint_names(), command.rate,
+                      command.force);
+}
+
+std::string summary(const PlanCommand& command, const pipeline::Plan& plan) {
+  const pipeline::PlanReport& report = plan.report;
+  io::Table table;
+  const auto add = [&](const std::string& name, double value, int decimals, const char* unit) {
+    table.row({name, io::Table::number(value, decimals), unit});
+  };
+  add("path planning", report.times.path_planning * 1e3, 3, "ms");
+  add("simplification", report.times.simplification * 1e3, 3, "ms");
+  add("trajectory", report.times.trajectory * 1e3, 3, "ms");
+  add("certificate", report.times.certificate * 1e3, 3, "ms");
+  add("total", report.times.total * 1e3, 3, "ms");
+  add("motion duration", plan.trajectory.duration(), 3, "s");
+  add("least clearance", report.least_clearance * 1e3, 1, "mm");
+  std::string text = "query " + plan.query + ", preset " + to_string(plan.preset) + ", seed " +
+                     std::to_string(plan.seed) + "\n" + table.text();
+  std::string rungs;
+  for (const auto& [rung, count] : report.rungs) {
+    rungs += (rungs.empty() ? "" : ", ") + rung + " " + std::to_string(count);
+  }
+  text += "rungs: " + (rungs.empty() ? "none" : rungs) + "\n";
+  for (const std::string& file : {command.output, command.csv}) {
+    if (!file.empty()) text += "written: " + file + "\n";
+  }
+  return text;
+}
+
+int run(const PlanCommand& command) {
+  const auto failed = [](const Error& error) { return report("plan", error); };
+  if (auto writable = check_outputs(command); !writable) return failed(writable.error());
+  const StopSignals signals;
+  const auto cell = command.cell.load();
+  if (!cell) return failed(cell.error());
+  const auto query = (*cell)->find_query(command.query);
+  if (!query) return failed(query.error());
+  const auto plan = pipeline::plan(*cell, **query, command.planning.with(signals.token()));
+  if (!plan) return failed(plan.error());
+  if (auto saved = save(command, *plan, **cell); !saved) return failed(saved.error());
+  if (!command.json) return print("plan", summary(command, *plan));
+  const std::string file = command.output.empty() ? "plan.json" : command.output;
+  const auto json = io::plan_json(*plan, **cell, file);
+  return json ? print("plan", *json) : failed(json.error());
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app, int& exit_code) {
+  CLI::App* sub = app.add_subcommand("plan", "Plan one query of a workcell");
+  auto command = std::make_shared<PlanCommand>();
+  command->cell.add_to(*sub);
+  sub->add_option("QUERY", command->query, "Name of the query")->required()->type_name("");
+  sub->add_option("-o,--output", command->output, "Write the plan here (JSON)")->type_name("FILE");
+  auto* csv = sub->add_option("--csv", command->csv, "Write samples of the motion here");
+  csv->type_name("FILE");
+  sub->add_option("--rate", command->rate, "Samples per second in the CSV file")
+      ->type_name("HZ")
+      ->capture_default_str()
+      ->check(positive_number(kHighestRate))
+      ->needs(csv);
+  sub->add_flag("--json", command->json, "Print the plan file instead of a table");
+  add_force(*sub, command->force);
+  command->planning.add_to(*sub);
+  sub->footer(
+      "Prints module times, duration, clearance and the fallbacks taken. A plan is only returned\n"
+      "after the executed curve passed the collision certificate and the limit check.\n\n"
+      "Example:\n"
+      "  tandem plan scenarios/gearbox/workcell.yaml pick_gears -o plan.json --csv plan.csv\n\n"
+      "Exit codes: 0 planned, 1 no plan (the message says why), 2 options or files that cannot\n"
+      "be used, 130 interrupted.");
+  sub->callback([command, &exit_code] { exit_code = run(*command); });
+}
+
+}  // namespace tandem::app
