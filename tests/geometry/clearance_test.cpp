@@ -21,8 +21,9 @@ double core_gap(const Shape& a, const Shape& b, const Vector3d& nhat) {
 /// [m] How exact the documentation says depths and distances are.
 double tolerance(const Shape& a, const Shape& b, double gap) {
   const bool curved = a.type() == CoreType::kCylinder || b.type() == CoreType::kCylinder;
-  if (!curved) return 1e-10;
-  return gap > 1e-8 ? 1e-6 : 2e-6;
+  if (!curved) return 1e-13;
+  if (a.type() != b.type()) return 1e-12;
+  return gap > 1e-8 ? 1e-9 : 1e-7;
 }
 
 /// What can be proven about one answer: the witness points lie on the surfaces (so no distance is

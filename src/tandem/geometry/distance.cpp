@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "tandem/core/contract.h"
-#include "tandem/geometry/gjk.h"
+#include "tandem/geometry/cylinder.h"
 #include "tandem/geometry/orthotope.h"
 #include "tandem/geometry/polytope.h"
 #include "tandem/geometry/separation.h"
@@ -67,7 +67,15 @@ Query query(const Shape& a, const Shape& b) {
     default:
       break;
   }
-  if (a.type() == kCylinder || b.type() == kCylinder) return {nearest_by_support(a, b)};
+  if (b.type() == kCylinder) {
+    if (a.type() == kPoint) return {nearest_point_cylinder(a.origin(), b)};
+    if (a.type() == kSegment) return {nearest_segment_cylinder(segment(a), b)};
+    return {nearest_with_cylinder(a, b), false};
+  }
+  if (a.type() == kCylinder) {
+    const auto [nearest, proven] = query(b, a);
+    return {nearest.swapped(), proven};
+  }
   return {nearest_features(a, b), false};
 }
 
@@ -82,6 +90,11 @@ Clearance with_radii(const Shape& a, const Shape& b, const Vector3d& nhat, doubl
 /// Clearance of cores that touch or overlap, or nearly.
 Clearance touching_clearance(const Shape& a, const Shape& b, const Nearest& nearest) {
   const detail::Separation best = detail::best_separation(a, b, nearest);
+  // Apart after all: of the two bounds the nearest points' is the better, if it is about these.
+  const double gap = std::sqrt(nearest.squared);
+  if (best.gap > 0 && gap < kTouching) {
+    return with_radii(a, b, best.nhat_BA_W, gap, nearest.p_WCb);
+  }
   // Moved by the depth the cores just touch, and where they do are the witness points.
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
   X.translation() = -best.gap * best.nhat_BA_W;

@@ -14,9 +14,9 @@ struct Clearance {
 };
 
 /// Clearance of two shapes in W, for every pair of core types.
-/// Point, segment, triangle, rectangle and box cores: exact to rounding. Cylinders: to 1e-9 m
-/// apart, to 1e-6 m in penetration. Where cores touch, the normal is that of least translation.
-/// Never fails, allocates nothing for non-cylinders.
+/// Exact to rounding; of two cylinders to 1e-9 m apart and 1e-6 m in penetration. Where cores touch
+/// or overlap, the normal is that of least translation. Never fails; allocates only for two
+/// cylinders whose cores overlap.
 Clearance clearance(const Shape& a_W, const Shape& b_W);
 
 /// Distance of a point to a shape's surface [m], negative inside.

@@ -2,6 +2,7 @@
 /// Nearest points of a point or a segment and an orthotope: a point, segment, rectangle or box.
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "tandem/geometry/shape.h"
@@ -51,12 +52,17 @@ Nearest nearest_point_orthotope(const Eigen::Vector3d& p, const Shape& b) {
 template <int N, class Columns>
 double nearest_parameter(const Eigen::Vector3d& r, const Eigen::Vector3d& d, const Columns& u,
                          const double* inverse_squares) {
+  constexpr double kRounding = 1e-15;  // [-] of a coordinate; several roundings.
   double alpha[N + 1], beta[N + 1], kappa[N + 1];
+  // Slabs a rounding wider: inside, and on the breaks, a coordinate adds exactly nothing, else its
+  // noise would outweigh small true terms.
+  double limit[N + 1];
   Eigen::Vector3d r_out = r, d_out = d;  // What is normal to every extent.
   for (int i = 0; i < N; ++i) {
     kappa[i] = u.col(i).dot(d);
     alpha[i] = inverse_squares[i] * u.col(i).dot(r);
     beta[i] = inverse_squares[i] * kappa[i];
+    limit[i] = 1 + kRounding * (1 + std::abs(alpha[i]) + std::abs(beta[i]));
     if (N < 3) {
       r_out -= alpha[i] * u.col(i);
       d_out -= beta[i] * u.col(i);
@@ -67,7 +73,7 @@ double nearest_parameter(const Eigen::Vector3d& r, const Eigen::Vector3d& d, con
     double sum = offset + t * slope;
     for (int i = 0; i < N; ++i) {
       const double s = alpha[i] + t * beta[i];
-      sum += kappa[i] * (s - std::min(std::max(s, -1.0), 1.0));
+      sum += kappa[i] * (s - std::min(std::max(s, -limit[i]), limit[i]));
     }
     return sum;
   };

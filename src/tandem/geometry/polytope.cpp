@@ -82,13 +82,7 @@ Nearest nearest_triangle_orthotope(const Triangle& a, const Shape& b) {
 template <int N, int M>
 Nearest nearest_orthotopes(const Shape& a, const Shape& b) {
   Nearest best;
-  for (int k = 0; k < N; ++k) {
-    for (int i = 0; i < (1 << N); ++i) {
-      if ((i >> k) & 1) continue;
-      const Vector3d u = a.extents().col(k);
-      keep_nearer(best, nearest_segment_orthotope<M>({corner<N>(a, i) + u, u}, b));
-    }
-  }
+  for (const Segment& edge : Edges(a)) keep_nearer(best, nearest_segment_orthotope<M>(edge, b));
   for (int i = 0; i < (1 << M); ++i) {
     keep_nearer(best, nearest_point_orthotope<N>(corner<M>(b, i), a).swapped());
   }
@@ -98,7 +92,7 @@ Nearest nearest_orthotopes(const Shape& a, const Shape& b) {
 }  // namespace
 
 Vector3d accurate_cross(const Vector3d& u, const Vector3d& v) {
-  constexpr double kNearlyParallel = 1e-6;  // [-] sin^2 below which the naive product is refined.
+  constexpr double kNearlyParallel = 1e-2;  // [-] sin^2 below which the naive product is refined.
   const Vector3d n = u.cross(v);
   if (n.squaredNorm() > kNearlyParallel * u.squaredNorm() * v.squaredNorm()) return n;
   return {difference_of_products(u.y(), v.z(), u.z(), v.y()),
@@ -117,6 +111,27 @@ Triangle::Triangle(const Shape& shape) {
   edges[1] = segment_between(vertices[1], vertices[2]);
   edges[2] = {vertices[0] + 0.5 * u.col(1), -0.5 * u.col(1), 4 * shape.inverse_squares()[1]};
   for (int k = 0; k < 3; ++k) inward[k] = n.cross(edges[k].u);
+}
+
+Edges::Edges(const Shape& shape) {
+  const auto& u = shape.extents();
+  if (shape.type() == CoreType::kTriangle) {
+    const Triangle triangle(shape);
+    for (const Segment& edge : triangle.edges) list[count++] = edge;
+    return;
+  }
+  const int n = shape.size_count(), corners = 1 << n;
+  if (n == 0) list[count++] = {shape.origin(), Vector3d::Zero(), 0};
+  for (int k = 0; k < n; ++k) {
+    for (int i = 0; i < corners; ++i) {
+      if ((i >> k) & 1) continue;  // Bit j of i: the side along extent j; bit k is the edge's own.
+      Segment& edge = list[count++];
+      edge = {shape.origin(), u.col(k), shape.inverse_squares()[k]};
+      for (int j = 0; j < n; ++j) {
+        if (j != k) edge.c += ((i >> j) & 1 ? 1.0 : -1.0) * u.col(j);
+      }
+    }
+  }
 }
 
 bool Triangle::is_over(const Vector3d& p) const {

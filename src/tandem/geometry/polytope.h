@@ -25,6 +25,17 @@ struct Triangle {
 
 Nearest nearest_point_triangle(const Eigen::Vector3d& p, const Triangle& b);
 
+/// The edges of a polytope core; of a point itself, of a cylinder its axis.
+struct Edges {
+  explicit Edges(const Shape& shape);
+
+  const Segment* begin() const { return list; }
+  const Segment* end() const { return list + count; }
+
+  Segment list[12];
+  int count = 0;
+};
+
 /// Nearest points of two cores out of segment (A only), triangle, rectangle and box, if the cores
 /// are disjoint or only touch. Where they overlap it may miss that: check with `separation`.
 Nearest nearest_features(const Shape& a, const Shape& b);

@@ -1,9 +1,8 @@
 #include "tandem/geometry/separation.h"
 
 #include <cmath>
-#include <limits>
 
-#include "tandem/geometry/epa.h"
+#include "tandem/geometry/cylinder.h"
 #include "tandem/geometry/polytope.h"
 
 namespace tandem::geometry::detail {
@@ -68,36 +67,6 @@ Directions face_normals(const Shape& shape) {
   return normals;
 }
 
-/// Keeps the best of the directions it is shown, both ways each.
-class Search {
- public:
-  Search(const Shape& a, const Shape& b) : a_(a), b_(b), p_ba_(a.origin() - b.origin()) {}
-
-  void consider(const Vector3d& n) {
-    // Scaled first: the square of a short vector may underflow.
-    const double largest = n.cwiseAbs().maxCoeff();
-    if (!(largest > 0)) return;
-    Vector3d nhat = n / largest;
-    nhat /= nhat.norm();
-    const Interval a = project(a_, nhat), b = project(b_, nhat);
-    const double between = p_ba_.dot(nhat);
-    keep(nhat, between + a.low - b.high);
-    keep(-nhat, b.low - a.high - between);
-  }
-
-  const Separation& best() const { return best_; }
-
- private:
-  void keep(const Vector3d& nhat, double gap) {
-    if (gap > best_.gap) best_ = {nhat, gap};
-  }
-
-  const Shape& a_;
-  const Shape& b_;
-  Vector3d p_ba_;
-  Separation best_{Vector3d::UnitZ(), -std::numeric_limits<double>::max()};
-};
-
 /// A vector normal to the longest of the edges: the last resort where all of them are parallel.
 Vector3d normal_to_all(const Directions& a, const Directions& b) {
   Vector3d longest = Vector3d::Zero();
@@ -111,12 +80,24 @@ Vector3d normal_to_all(const Directions& a, const Directions& b) {
 
 }  // namespace
 
+void DirectionSearch::consider(const Vector3d& n) {
+  // Scaled first: the square of a short vector may underflow.
+  const double largest = n.cwiseAbs().maxCoeff();
+  if (!(largest > 0)) return;
+  Vector3d nhat = n / largest;
+  nhat /= nhat.norm();
+  const Interval a = project(a_, nhat), b = project(b_, nhat);
+  const double between = p_ba_.dot(nhat);
+  keep(nhat, between + a.low - b.high);
+  keep(-nhat, b.low - a.high - between);
+}
+
 double separation(const Shape& a, const Shape& b, const Vector3d& nhat) {
   return (a.origin() - b.origin()).dot(nhat) + project(a, nhat).low - project(b, nhat).high;
 }
 
 Separation best_separation(const Shape& a, const Shape& b, const Nearest& nearest) {
-  Search search(a, b);
+  DirectionSearch search(a, b);
   // The facets of A - B: those of A, those of B, and those that two edges span.
   for (const Vector3d& n : face_normals(a)) search.consider(n);
   for (const Vector3d& n : face_normals(b)) search.consider(n);
@@ -134,8 +115,10 @@ Separation best_separation(const Shape& a, const Shape& b, const Nearest& neares
       if (u.squaredNorm() > 0) search.consider(e - u * (u.dot(e) / u.squaredNorm()));
     }
   }
-  const bool curved = a.type() == CoreType::kCylinder || b.type() == CoreType::kCylinder;
-  return curved ? expand_polytope(a, b, search.best()) : search.best();
+  if (a.type() == CoreType::kCylinder || b.type() == CoreType::kCylinder) {
+    search_curved(a, b, search);
+  }
+  return search.best();
 }
 
 }  // namespace tandem::geometry::detail
