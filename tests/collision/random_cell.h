@@ -162,7 +162,7 @@ inline std::shared_ptr<const world::Workcell> random_cell(std::uint64_t seed,
 }
 
 /// An arm of one prismatic joint along x that carries a ball, and a ball to run into at x = 1.
-inline std::shared_ptr<const world::Workcell> slider_cell(double padding = 0) {
+inline world::WorkcellSpec slider_cell_spec(double padding = 0) {
   world::WorkcellSpec spec;
   spec.name = "slider";
   world::RobotSpec robot;
@@ -190,7 +190,11 @@ inline std::shared_ptr<const world::Workcell> slider_cell(double padding = 0) {
   ball.shapes_W = {*geometry::Shape::sphere(Eigen::Vector3d::UnitX(), 0.2)};
   spec.obstacles = {ball};
   spec.padding = padding;
-  return make_cell(spec);
+  return spec;
+}
+
+inline std::shared_ptr<const world::Workcell> slider_cell(double padding = 0) {
+  return make_cell(slider_cell_spec(padding));
 }
 
 /// Uniform inside the cell's limits, or inside the middle `part` of them.

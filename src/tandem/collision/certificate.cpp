@@ -15,9 +15,9 @@ using Eigen::Vector3d;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Covers the rounding of poses and distances, the iterative kernels of cylinders included [m].
 constexpr double kRounding = 2e-9;
-/// Bounds along the normal are seldom tighter than this part of the bounds in every direction: a
-/// pair nearer than that is left to the halves of its interval.
-constexpr double kHopeful = 0.4;
+/// Two spheres whose centres are nearer than this many times their travel are left to the halves of
+/// the interval: the exact distance would seldom prove them apart. Decides about speed only.
+constexpr double kHopeful = 1.5;
 
 /// One call of certify().
 class Certifier {
