@@ -42,7 +42,7 @@ int run(const CheckCommand& command) {
   const auto bad = std::count_if(queries.begin(), queries.end(),
                                  [](const QueryCheck& query) { return !query.feasible; });
   if (printed != kOk || bad == 0) return printed;
-  std::cerr << "tandem check: " << bad << " of " << queries.size() << " queries cannot be stood at"
+  std::cerr << "tandem check: " << bad << " of " << queries.size() << " queries are not feasible"
             << std::endl;
   return kFailed;
 }

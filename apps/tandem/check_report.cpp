@@ -38,9 +38,28 @@ std::map<std::string, int> skipped_by_reason(const Workcell& cell) {
   return reasons;
 }
 
+/// What people call a swept core of this type.
+const char* shape_name(const geometry::Shape& shape) {
+  switch (shape.type()) {
+    case geometry::CoreType::kPoint:
+      return "sphere";
+    case geometry::CoreType::kSegment:
+      return "capsule";
+    case geometry::CoreType::kTriangle:
+      return "rounded triangle";
+    case geometry::CoreType::kRectangle:
+      return "rounded rectangle";
+    case geometry::CoreType::kBox:
+      return "box";
+    case geometry::CoreType::kCylinder:
+      return "cylinder";
+  }
+  return "unknown";
+}
+
 std::string shape_counts(const Body& body) {
   std::map<std::string, int> counts;
-  for (const geometry::Shape& shape : body.shapes_L) ++counts[geometry::to_string(shape.type())];
+  for (const geometry::Shape& shape : body.shapes_L) ++counts[shape_name(shape)];
   std::string text;
   for (const auto& [type, count] : counts) {
     text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + type;

@@ -2,12 +2,14 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <iostream>
 #include <optional>
 
 #include "commands.h"
+#include "tandem/core/names.h"
 #include "tandem/io/workcell_yaml.h"
 
 namespace tandem::app {
@@ -60,15 +62,24 @@ int exit_code(ErrorCode code) {
 
 }  // namespace
 
+CLI::Validator one_of(const std::vector<std::string>& names) {
+  return CLI::Validator(
+      [names](const std::string& text) {
+        const bool known = std::find(names.begin(), names.end(), text) != names.end();
+        return known ? std::string() : "there is no " + text + name_hint(text, names);
+      },
+      "");
+}
+
 CLI::Validator positive_number(double most) {
   return CLI::Validator(
       [most](const std::string& text) {
         const auto number = parsed<double>(text);
         if (number && *number > 0 && *number <= most) return std::string();
-        return text + " is not a number above 0" +
+        return "'" + text + "' is not a number above 0" +
                (std::isfinite(most) ? " and up to " + std::to_string(std::lround(most)) : "");
       },
-      "> 0");
+      "");
 }
 
 CLI::Validator whole_number(std::uint64_t least) {
@@ -77,19 +88,18 @@ CLI::Validator whole_number(std::uint64_t least) {
         const auto number = parsed<std::uint64_t>(text);
         return number && *number >= least
                    ? std::string()
-                   : text + " is not a whole number from " + std::to_string(least) + " up";
+                   : "'" + text + "' is not a whole number from " + std::to_string(least) + " up";
       },
-      ">= " + std::to_string(least));
+      "");
 }
 
 void CellOptions::add_packages(CLI::App& command) {
   command
       .add_option("--package-path", packages,
-                  "Folder in which package:// paths are looked for; may be given several times. "
-                  "ROS_PACKAGE_PATH is searched after them")
+                  "Where package:// paths are looked for, before ROS_PACKAGE_PATH; repeatable")
       ->type_name("DIR")
       ->allow_extra_args(false)
-      ->check(CLI::ExistingDirectory);
+      ->check(CLI::Validator(CLI::ExistingDirectory).description(""));
 }
 
 void CellOptions::add_to(CLI::App& command) {
@@ -107,16 +117,18 @@ void PlanningOptions::add_to(CLI::App& command) {
   strategy = to_string(values.strategy);
   command
       .add_option("--preset", preset,
-                  "default: the fastest that keeps every promise; paper: the paper's modules and "
-                  "parameters, nothing repaired")
-      ->type_name("")
+                  "default: the fastest that keeps every promise;\n"
+                  "paper: the paper's modules and parameters, nothing repaired")
+      ->type_name("NAME")
       ->capture_default_str()
-      ->check(CLI::IsMember(names_of(kPresets)))
+      ->check(one_of(names_of(kPresets)))
       ->group(group);
-  command.add_option("--strategy", strategy, "How several arms are planned")
-      ->type_name("")
+  command
+      .add_option("--strategy", strategy,
+                  "centralized: all arms together, as one robot with all their joints")
+      ->type_name("NAME")
       ->capture_default_str()
-      ->check(CLI::IsMember(names_of(kStrategies)))
+      ->check(one_of(names_of(kStrategies)))
       ->group(group);
   command.add_option("--seed", values.seed, "Same seed, same answer")
       ->type_name("N")

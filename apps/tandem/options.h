@@ -36,6 +36,7 @@ struct PlanningOptions {
 void add_force(CLI::App& command, bool& force);
 
 /// Checks for CLI11 options.
+CLI::Validator one_of(const std::vector<std::string>& names);
 CLI::Validator positive_number(double most = std::numeric_limits<double>::infinity());
 CLI::Validator whole_number(std::uint64_t least);
 

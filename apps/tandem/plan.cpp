@@ -91,7 +91,7 @@ void add_plan(CLI::App& app, int& exit_code) {
   sub->add_option("-o,--output", command->output, "Write the plan here (JSON)")->type_name("FILE");
   auto* csv = sub->add_option("--csv", command->csv, "Write samples of the motion here");
   csv->type_name("FILE");
-  sub->add_option("--rate", command->rate, "Samples per second in the CSV file")
+  sub->add_option("--rate", command->rate, "Samples per second in the CSV file, needs --csv")
       ->type_name("HZ")
       ->capture_default_str()
       ->check(positive_number(kHighestRate))

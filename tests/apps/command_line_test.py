@@ -1,0 +1,365 @@
+#!/usr/bin/python3
+"""The tandem program from outside: exit codes, words, files. usage: PROGRAM SOURCE_FOLDER"""
+
+import csv
+import json
+import os
+import pty
+import re
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+PROGRAM, SOURCE = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
+CELL = SOURCE / "tests/apps/cell/workcell.yaml"
+COMMANDS = ("plan", "check", "verify", "bench")
+
+
+class Done:
+    """A finished call of the program."""
+
+    def __init__(self, *arguments, folder=None):
+        done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True,
+                              check=False, cwd=folder, timeout=120, stdin=subprocess.DEVNULL)
+        self.code, self.out, self.err = done.returncode, done.stdout, done.stderr
+
+    def __str__(self):
+        return f"exit {self.code}\n{self.out}\n{self.err}"
+
+
+class CommandLine(unittest.TestCase):
+    def setUp(self):
+        self.holder = tempfile.TemporaryDirectory()
+        self.folder = Path(self.holder.name)
+        self.addCleanup(self.holder.cleanup)
+
+    def ok(self, *arguments):
+        done = Done(*arguments, folder=self.folder)
+        self.assertEqual(done.code, 0, done)
+        return done
+
+    def refused(self, code, *arguments, says=()):
+        """Exit code, words on stderr, and nothing on stdout."""
+        done = Done(*arguments, folder=self.folder)
+        self.assertEqual(done.code, code, done)
+        self.assertEqual(done.out, "", done)
+        for words in (says,) if isinstance(says, str) else says:
+            self.assertIn(words, done.err)
+        return done
+
+    def cell_with(self, change):
+        """The small cell's text after `change`, beside its robot's files."""
+        for source in CELL.parent.iterdir():
+            (self.folder / source.name).write_text(source.read_text())
+        file = self.folder / "workcell.yaml"
+        file.write_text(change(file.read_text()))
+        return file
+
+
+class Help(CommandLine):
+    def test_help_of_every_command_has_an_example_and_exit_codes(self):
+        for arguments in ((), *((name,) for name in COMMANDS)):
+            done = self.ok(*arguments, "--help")
+            self.assertRegex(done.out, r"Example:\n  tandem \w+ \S+")
+            self.assertIn("Exit codes: 0", done.out)
+            self.assertIn("130 interrupted", done.out)
+            self.assertEqual(done.err, "")
+        for name in COMMANDS:
+            self.assertIn(f"  {name} ", self.ok("--help").out)
+
+    def test_planning_options_are_the_same_everywhere(self):
+        blocks = {re.search(r"Planning options:\n.*?\n\n", self.ok(name, "--help").out, re.S)[0]
+                  for name in ("plan", "bench")}
+        self.assertEqual(len(blocks), 1)
+        for option in ("--preset", "--strategy", "--seed", "--deadline"):
+            self.assertIn(option, blocks.copy().pop())
+
+    def test_examples_use_options_that_exist(self):
+        for name in COMMANDS:
+            text = self.ok(name, "--help").out
+            example = re.search(r"Example:\n  (tandem .*)", text)[1]
+            for option in re.findall(r" (--?[a-z-]+)", example):
+                self.assertRegex(text, rf"(?m)^  (-\w,)?{option}\b|^  {option},")
+
+    def test_version(self):
+        version = re.search(r"project\(tandem VERSION ([\d.]+)",
+                            (SOURCE / "CMakeLists.txt").read_text())[1]
+        self.assertRegex(self.ok("--version").out,
+                         rf"^tandem {re.escape(version)}( \([0-9a-f]{{7,40}}(-dirty)?\))?\n$")
+
+
+class Usage(CommandLine):
+    def test_wrong_use_is_exit_2_with_the_command_in_the_message(self):
+        for arguments, says in (
+                ((), ("tandem: ", "subcommand")),
+                (("fly",), "tandem: "),
+                (("plan",), ("tandem plan: ", "CELL is required", "tandem plan --help")),
+                (("plan", CELL), "QUERY is required"),
+                (("plan", CELL, "swing", "--sede", "1"), "--sede"),
+                (("plan", CELL, "swing", "--preset", "papper"), "did you mean 'paper'?"),
+                (("plan", CELL, "swing", "--strategy", "fast"), "centralized"),
+                (("plan", CELL, "swing", "--seed", "-1"), "'-1' is not a whole number from 0"),
+                (("plan", CELL, "swing", "--seed", "1.5"), "'1.5' is not a whole number"),
+                (("plan", CELL, "swing", "--deadline", "0"), "'0' is not a number above 0"),
+                (("plan", CELL, "swing", "--deadline", "nan"), "'nan' is not a number above 0"),
+                (("plan", CELL, "swing", "--rate", "100"), "--csv"),
+                (("plan", CELL, "swing", "--csv", "a", "--rate", "inf"), "up to 1000000"),
+                (("plan", CELL, "swing", "--package-path", "none"), "none"),
+                (("bench", CELL, "--cycles", "0"), "'0' is not a whole number from 1"),
+                (("bench", CELL, "--cycles", "99999999999"), "--cycles"),
+                (("verify", "p.json", "--rate", "-1"), "'-1' is not a number above 0"),
+                (("verify",), "PLAN is required"),
+                (("check", CELL, "extra"), "extra")):
+            with self.subTest(arguments):
+                self.refused(2, *arguments, says=says)
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_package_path_leaves_the_next_word_alone(self):
+        self.ok("check", "--package-path", self.folder, CELL, "--package-path", self.folder)
+
+    def test_files_that_cannot_be_used(self):
+        for command in (("plan", "none.yaml", "swing"), ("check", "none.yaml"),
+                        ("bench", "none.yaml"), ("verify", "none.json")):
+            done = self.refused(2, *command, says=(f"tandem {command[0]}: ", command[1]))
+            self.assertEqual(done.err.count("\n"), 1, done)
+        (self.folder / "bad.yaml").write_text("name: [")
+        self.refused(2, "check", "bad.yaml", says="bad.yaml")
+        (self.folder / "bad.json").write_text("{}")
+        self.refused(2, "verify", "bad.json", says=("bad.json", "schema_version"))
+
+    def test_closed_output_is_an_error(self):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            done = subprocess.run([PROGRAM, "check", CELL], stdout=full, stderr=subprocess.PIPE,
+                                  text=True, check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("standard output", done.stderr)
+
+
+class Plan(CommandLine):
+    def test_writes_plan_and_csv(self):
+        done = self.ok("plan", CELL, "swing", "-o", "p.json", "--csv", "p.csv", "--rate", "100")
+        for words in ("query swing", "path planning", "total", "ms", "motion duration",
+                      "least clearance", "rungs:", "written: p.json", "written: p.csv"):
+            self.assertIn(words, done.out)
+        plan = json.loads((self.folder / "p.json").read_text())
+        self.assertEqual((plan["query"], plan["seed"]), ("swing", 1))
+        self.assertEqual((self.folder / plan["workcell"]).resolve(), CELL)
+        with (self.folder / "p.csv").open(encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+        self.assertEqual(rows[0][:4], ["t", "left/yaw.q", "left/yaw.qd", "left/yaw.qdd"])
+        self.assertEqual([float(x) for x in rows[1][1::3]], plan["start"])
+        self.assertEqual(float(rows[-1][0]), plan["report"]["motion_duration_s"])
+        for end, value in zip(rows[-1][1::3], plan["goal"]):
+            self.assertAlmostEqual(float(end), value, places=9)
+
+    def test_json_is_the_plan_file(self):
+        done = self.ok("plan", CELL, "swing", "--json", "-o", "p.json", "--seed", "7")
+        self.assertEqual(done.out, (self.folder / "p.json").read_text())
+        self.assertEqual(json.loads(done.out)["seed"], 7)
+
+    def test_same_seed_same_motion(self):
+        motions = []
+        for _ in range(2):
+            plan = json.loads(self.ok("plan", CELL, "swing", "--json", "--seed", "3").out)
+            motions.append((plan["arms"], plan["phases"]))
+        self.assertEqual(motions[0], motions[1])
+
+    def test_never_overwrites_unless_asked(self):
+        for option in ("-o", "--csv"):
+            (self.folder / "mine").write_text("mine")
+            self.refused(2, "plan", CELL, "swing", option, "mine", says=("mine exists", "--force"))
+            self.assertEqual((self.folder / "mine").read_text(), "mine")
+            self.ok("plan", CELL, "swing", option, "mine", "--force")
+            self.assertNotEqual((self.folder / "mine").read_text(), "mine")
+
+    def test_refuses_outputs_before_planning(self):
+        self.refused(2, "plan", CELL, "swing", "-o", "no/p.json", says="create it first")
+        self.refused(2, "plan", CELL, "swing", "-o", "a", "--csv", "a", says="same file")
+        self.refused(2, "plan", CELL, "swing", "-o", "/dev/null", "--force", says="regular file")
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_unknown_query_names_the_nearest(self):
+        self.refused(2, "plan", CELL, "swnig", says=("swnig", "did you mean 'swing'?"))
+
+    def test_infeasible_and_too_late_are_exit_1_and_write_nothing(self):
+        self.refused(1, "plan", CELL, "swing", "--deadline", "1e-9", "-o", "p.json",
+                     says="deadline")
+        low = self.cell_with(lambda text: text.replace("[-0.9, -0.2, 0.3]", "[-0.9, 0.9, 0.3]"))
+        done = self.refused(1, "plan", low, "swing", "-o", "p.json", "--csv", "p.csv",
+                            says=("goal of query 'swing'", "table"))
+        self.assertEqual(done.err.count("\n"), 1)
+        self.assertFalse((self.folder / "p.json").exists() or (self.folder / "p.csv").exists())
+
+
+class Check(CommandLine):
+    def test_shows_the_cell(self):
+        text = self.ok("check", CELL).out
+        for words in ("workcell two_small_arms", "left/elbow", "2.400", "100.000", "table", "1 box",
+                      "1 sphere", "pairs: ", "skipped: ", "query swing: feasible"):
+            self.assertIn(words, text)
+        self.assertNotIn("checked: ", text)
+
+    def test_pairs_lists_each(self):
+        text = self.ok("check", CELL, "--pairs").out
+        checked, skipped = map(int, re.search(r"pairs: (\d+) checked, (\d+) skipped", text).groups())
+        self.assertEqual(len(re.findall(r"(?m)^checked: ", text)), checked)
+        self.assertEqual(len(re.findall(r"(?m)^skipped: ", text)), skipped)
+
+    def test_json(self):
+        cell = json.loads(self.ok("check", CELL, "--json", "--pairs").out)
+        self.assertEqual([arm["name"] for arm in cell["arms"]], ["left", "right"])
+        self.assertIsNone(cell["arms"][0]["joints"][2]["jerk"])
+        self.assertEqual(len(cell["pairs"]["list"]),
+                         cell["pairs"]["checked"] + cell["pairs"]["skipped"])
+        self.assertEqual(cell["queries"], [{"name": "swing", "feasible": True},
+                                           {"name": "rise", "feasible": True}])
+
+    def test_infeasible_query_is_exit_1_with_pair_and_depth(self):
+        low = self.cell_with(lambda text: text.replace("[0.9, -0.2, 0.3]", "[0.9, 0.9, 0.3]", 1))
+        done = Done("check", low)
+        self.assertEqual(done.code, 1)
+        self.assertRegex(done.out, r"query swing: NOT feasible: .*table.* m deep")
+        self.assertIn("1 of 2 queries are not feasible", done.err)
+        queries = json.loads(Done("check", low, "--json").out)["queries"]
+        self.assertEqual([query["feasible"] for query in queries], [False, True])
+
+
+class Verify(CommandLine):
+    def setUp(self):
+        super().setUp()
+        self.ok("plan", CELL, "swing", "-o", "p.json")
+
+    def change(self, edit):
+        plan = json.loads((self.folder / "p.json").read_text())
+        edit(plan)
+        (self.folder / "bad.json").write_text(json.dumps(plan))
+
+    def test_good_plan(self):
+        done = self.ok("verify", "p.json", "--rate", "500")
+        for words in ("least clearance", "worst limit ratio", "verdict: good"):
+            self.assertIn(words, done.out)
+        report = json.loads(self.ok("verify", "p.json", "--json").out)
+        self.assertTrue(report["ok"])
+        self.assertGreater(report["least_clearance_m"], 0)
+        self.assertLessEqual(report["worst_limit_ratio"], 1 + 1e-6)
+
+    def test_a_motion_through_the_post_fails_with_time_and_pair(self):
+        def through_the_post(plan):
+            for arm in plan["arms"]:
+                arm["knots"] = [0, 60]
+                start, goal = ((plan[end][:3] if arm["name"] == "left" else plan[end][3:])
+                               for end in ("start", "goal"))
+                arm["coefficients"] = [[[a, 0, 3 * (b - a) / 60**2, -2 * (b - a) / 60**3]
+                                        for a, b in zip(start, goal)]]
+            plan["report"]["motion_duration_s"] = 60
+        self.change(through_the_post)
+        done = Done("verify", "bad.json", folder=self.folder)
+        self.assertEqual(done.code, 1, done)
+        self.assertIn("verdict: bad", done.out)
+        self.assertIn("failure: ", done.out)
+        self.assertIn("tandem verify: bad.json fails: ", done.err)
+
+    def test_too_fast_is_a_failure(self):
+        def hurry(plan):
+            for arm in plan["arms"]:
+                arm["knots"] = [t / 2 for t in arm["knots"]]
+                arm["coefficients"] = [[[c * 2**k for k, c in enumerate(row)] for row in segment]
+                                       for segment in arm["coefficients"]]
+            plan["report"]["motion_duration_s"] = max(arm["knots"][-1] for arm in plan["arms"])
+        self.change(hurry)
+        done = Done("verify", "bad.json", "--json", folder=self.folder)
+        self.assertEqual(done.code, 1, done)
+        report = json.loads(done.out)
+        self.assertFalse(report["ok"])
+        self.assertGreater(report["worst_limit_ratio"], 1)
+        self.assertTrue(any("acceleration" in reason for reason in report["failures"]), report)
+
+    def test_other_joints_or_arms_fail(self):
+        def rename_joint(plan):
+            plan["arms"][0]["joints"][1] = "left/wrist"
+
+        def rename_arm(plan):
+            plan["arms"][0]["name"] = "middle"
+            plan["report"]["arms"]["middle"] = plan["report"]["arms"].pop("left")
+        self.change(rename_joint)
+        self.refused(1, "verify", "bad.json", says=("left/wrist", "left/lift"))
+        self.change(rename_arm)
+        self.refused(1, "verify", "bad.json", says=("middle", "left, right"))
+
+    def test_workcell_that_is_not_there(self):
+        self.change(lambda plan: plan.update(workcell="gone.yaml"))
+        self.refused(2, "verify", "bad.json", says="gone.yaml")
+        self.ok("verify", "bad.json", "--workcell", CELL)
+        self.change(lambda plan: plan.update(workcell=""))
+        self.refused(2, "verify", "bad.json", says="--workcell")
+
+
+class Bench(CommandLine):
+    def test_table_and_json(self):
+        done = self.ok("bench", CELL, "--cycles", "3", "--json", "b.json")
+        for words in ("3 whole cycles, 6 queries", "p99", "path_planning [ms]", "failures:",
+                      "swing"):
+            self.assertIn(words, done.out)
+        bench = json.loads((self.folder / "b.json").read_text())
+        self.assertEqual((bench["cycles"], bench["queries"]), (3, 6))
+        self.assertEqual(bench["queries"], bench["success"] + sum(bench["failures"].values()))
+        self.refused(2, "bench", CELL, "--json", "b.json", says=("b.json exists", "--force"))
+        self.ok("bench", CELL, "--json", "b.json", "--force", "--preset", "paper")
+        self.assertEqual(json.loads((self.folder / "b.json").read_text())["preset"], "paper")
+
+    def test_failures_are_a_result_and_are_explained(self):
+        done = self.ok("bench", CELL, "--cycles", "2", "--deadline", "1e-9", "--json", "b.json")
+        self.assertIn("timeout 4", done.out)
+        self.assertIn("swing failed 2 times by timeout", done.err)
+        self.assertEqual(json.loads((self.folder / "b.json").read_text())["failures"]["timeout"], 4)
+
+    def test_interruption_keeps_what_it_has(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with subprocess.Popen([PROGRAM, "bench", CELL, "--cycles", "1000000", "--json", "b.json",
+                                   "--force"], cwd=self.folder, stdout=subprocess.PIPE,
+                                  stderr=subprocess.PIPE, text=True) as process:
+                time.sleep(1.5)
+                process.send_signal(number)
+                out, err = process.communicate(timeout=30)
+            self.assertEqual(process.returncode, 130, err)
+            self.assertIn("interrupted after", err)
+            bench = json.loads((self.folder / "b.json").read_text())
+            self.assertGreater(bench["queries"], 0)
+            self.assertIn(f"{bench['queries']} queries", out)
+
+    def test_progress_is_for_terminals(self):
+        self.assertEqual(self.ok("bench", CELL).err, "")
+        ours, theirs = pty.openpty()
+        with subprocess.Popen([PROGRAM, "bench", CELL, "--cycles", "3"], stdout=subprocess.DEVNULL,
+                              stderr=theirs) as process:
+            process.wait(timeout=60)
+        shown = b""
+        while select.select([ours], [], [], 0.2)[0]:
+            shown += os.read(ours, 65536)
+        os.close(theirs)
+        os.close(ours)
+        self.assertIn(b"6/6, 0 failed", shown)
+
+
+@unittest.skipUnless((SOURCE / "scenarios/gearbox/workcell.yaml").exists(), "no gearbox scenario")
+class Gearbox(CommandLine):
+    CELL = SOURCE / "scenarios/gearbox/workcell.yaml"
+
+    def test_every_query_is_planned_and_verified(self):
+        cell = json.loads(self.ok("check", self.CELL, "--json").out)
+        self.assertTrue(cell["queries"])
+        for query in cell["queries"]:
+            with self.subTest(query["name"]):
+                self.assertTrue(query["feasible"], query)
+                file = f"{query['name']}.json"
+                self.ok("plan", self.CELL, query["name"], "-o", file)
+                self.ok("verify", file, "--rate", "250")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=1)
