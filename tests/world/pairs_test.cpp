@@ -236,85 +236,103 @@ bool differs(const robot::LinkPoses& before, const robot::LinkPoses& after, int 
   return !(before[i].inverse() * before[j]).isApprox(after[i].inverse() * after[j], 1e-9);
 }
 
-TEST(Pairs, MasksMatchWhatMovesOnRandomTrees) {
-  Rng rng(5);
-  long compared = 0, moved = 0;
-  for (int round = 0; round < 60; ++round) {
-    WorkcellSpec spec;
-    spec.name = "random";
-    RobotSpec robot;
-    robot.name = "r";
-    robot.model = random_tree(rng, 14).make();
-    // Every free joint goes to one of three arms, or to none.
-    for (const char* name : {"x", "y", "z"}) robot.semantics.groups.push_back({name, {}, -1});
-    for (int i = 0; i < robot.model.position_count(); ++i) {
-      const std::size_t arm = rng.index(4);
-      const int joint = robot.model.joint_of_position(i);
-      if (arm < 3) robot.semantics.groups[arm].joints.push_back(joint);
-    }
-    for (const robot::Group& group : robot.semantics.groups) {
-      if (group.joints.empty()) continue;
-      ArmSpec arm = arm_spec(group.name, "r", group.name);
-      const int child =
-          robot.model.joints()[static_cast<std::size_t>(group.joints.back())].child_link;
-      arm.tip = robot.model.links()[static_cast<std::size_t>(child)].name;
-      spec.arms.push_back(arm);
-    }
-    if (spec.arms.empty()) continue;
-    spec.robots.push_back(robot);
-    spec.obstacles.push_back({"box", {ball()}});
-    spec.attached.push_back({"part", "r/l7", {ball()}, {}});
-    const auto cell = make_cell(spec);
-    ASSERT_TRUE(cell);
+/// One robot whose free joints go to one of three arms, or to none.
+WorkcellSpec random_cell(Rng& rng) {
+  WorkcellSpec spec;
+  spec.name = "random";
+  RobotSpec robot;
+  robot.name = "r";
+  robot.model = random_tree(rng, 14).make();
+  for (const char* name : {"x", "y", "z"}) robot.semantics.groups.push_back({name, {}, -1});
+  for (int i = 0; i < robot.model.position_count(); ++i) {
+    const std::size_t arm = rng.index(4);
+    const int joint = robot.model.joint_of_position(i);
+    if (arm < 3) robot.semantics.groups[arm].joints.push_back(joint);
+  }
+  for (const robot::Group& group : robot.semantics.groups) {
+    if (group.joints.empty()) continue;
+    ArmSpec arm = arm_spec(group.name, "r", group.name);
+    const int child =
+        robot.model.joints()[static_cast<std::size_t>(group.joints.back())].child_link;
+    arm.tip = robot.model.links()[static_cast<std::size_t>(child)].name;
+    spec.arms.push_back(arm);
+  }
+  spec.robots.push_back(robot);
+  spec.obstacles.push_back({"box", {ball()}});
+  spec.attached.push_back({"part", "r/l7", {ball()}, {}});
+  return spec;
+}
 
-    const auto draw = [&] {
-      Eigen::VectorXd q(cell->dof());
-      for (Eigen::Index i = 0; i < q.size(); ++i) q[i] = rng.uniform(-1.5, 1.5);
-      return q;
-    };
+Eigen::VectorXd random_vector(Rng& rng, int size) {
+  Eigen::VectorXd v(size);
+  for (Eigen::Index i = 0; i < size; ++i) v[i] = rng.uniform(-1.5, 1.5);
+  return v;
+}
+
+/// Moves one arm at a time and watches which relative poses change.
+class MovedBy {
+ public:
+  MovedBy(const Workcell& cell, Rng& rng) {
     Eigen::VectorXd positions;
-    robot::LinkPoses before, after;
-    const Eigen::VectorXd q = draw();
-    cell->forward_kinematics(q, positions, before);
-    std::vector<robot::LinkPoses> by_arm;
-    for (const Arm& arm : cell->arms()) {
-      Eigen::VectorXd moved_q = q;
-      moved_q.segment(arm.offset, arm.dof()) = draw().segment(arm.offset, arm.dof());
-      cell->forward_kinematics(moved_q, positions, after);
-      by_arm.push_back(after);
-    }
-    const auto expected = [&](int link_a, int link_b) {
-      ArmMask mask = 0;
-      for (std::size_t i = 0; i < by_arm.size(); ++i) {
-        if (differs(before, by_arm[i], link_a, link_b)) mask |= ArmMask{1} << i;
-      }
-      return mask;
-    };
-    std::map<std::pair<int, int>, ArmMask> masks;
-    for (const BodyPair& pair : cell->pairs()) {
-      EXPECT_LT(pair.a, pair.b);
-      EXPECT_NE(pair.moved_by, 0u);
-      EXPECT_TRUE(masks.emplace(std::pair(pair.a, pair.b), pair.moved_by).second);
-    }
-    for (const SkippedPair& pair : cell->skipped_pairs()) {
-      EXPECT_TRUE(masks.emplace(std::pair(pair.a, pair.b), 0u).second);
-      EXPECT_FALSE(pair.reason.empty());
-    }
-    const int bodies = static_cast<int>(cell->bodies().size());
-    for (int a = 0; a < bodies; ++a) {
-      const Body& body_a = cell->bodies()[static_cast<std::size_t>(a)];
-      EXPECT_EQ(body_a.moved_by, expected(body_a.link, 0)) << body_a.name;
-      for (int b = a + 1; b < bodies; ++b) {
-        const Body& body_b = cell->bodies()[static_cast<std::size_t>(b)];
-        ASSERT_TRUE(masks.contains({a, b}));
-        const ArmMask mask = masks.at({a, b});
-        EXPECT_EQ(mask, expected(body_a.link, body_b.link)) << body_a.name << " " << body_b.name;
-        ++compared;
-        moved += mask != 0;
-      }
+    const Eigen::VectorXd q = random_vector(rng, cell.dof());
+    cell.forward_kinematics(q, positions, before_);
+    for (const Arm& arm : cell.arms()) {
+      Eigen::VectorXd moved = q;
+      moved.segment(arm.offset, arm.dof()) = random_vector(rng, arm.dof());
+      cell.forward_kinematics(moved, positions, after_.emplace_back());
     }
   }
-  EXPECT_GT(compared, 4000);
+  ArmMask operator()(int link_a, int link_b) const {
+    ArmMask mask = 0;
+    for (std::size_t i = 0; i < after_.size(); ++i) {
+      if (differs(before_, after_[i], link_a, link_b)) mask |= ArmMask{1} << i;
+    }
+    return mask;
+  }
+
+ private:
+  robot::LinkPoses before_;
+  std::vector<robot::LinkPoses> after_;
+};
+
+/// Masks of all pairs, 0 for skipped ones; each pair exactly once.
+std::map<std::pair<int, int>, ArmMask> masks_by_pair(const Workcell& cell) {
+  std::map<std::pair<int, int>, ArmMask> masks;
+  for (const BodyPair& pair : cell.pairs()) {
+    EXPECT_LT(pair.a, pair.b);
+    EXPECT_NE(pair.moved_by, 0u);
+    EXPECT_TRUE(masks.emplace(std::pair(pair.a, pair.b), pair.moved_by).second);
+  }
+  for (const SkippedPair& pair : cell.skipped_pairs()) {
+    EXPECT_LT(pair.a, pair.b);
+    EXPECT_FALSE(pair.reason.empty());
+    EXPECT_TRUE(masks.emplace(std::pair(pair.a, pair.b), 0u).second);
+  }
+  EXPECT_EQ(masks.size(), cell.bodies().size() * (cell.bodies().size() - 1) / 2);
+  return masks;
+}
+
+TEST(Pairs, MasksMatchWhatMovesOnRandomTrees) {
+  Rng rng(5);
+  std::size_t compared = 0, moved = 0;
+  for (int round = 0; round < 60; ++round) {
+    const WorkcellSpec spec = random_cell(rng);
+    if (spec.arms.empty()) continue;
+    const auto cell = make_cell(spec);
+    ASSERT_TRUE(cell);
+    const MovedBy moved_by(*cell, rng);
+    for (const Body& body : cell->bodies()) {
+      EXPECT_EQ(body.moved_by, moved_by(body.link, 0)) << body.name;
+    }
+    for (const auto& [pair, mask] : masks_by_pair(*cell)) {
+      const Body& a = cell->bodies()[static_cast<std::size_t>(pair.first)];
+      const Body& b = cell->bodies()[static_cast<std::size_t>(pair.second)];
+      EXPECT_EQ(mask, moved_by(a.link, b.link)) << a.name << " " << b.name;
+      ++compared;
+      moved += mask != 0;
+    }
+  }
+  EXPECT_GT(compared, 4000u);
   EXPECT_GT(moved, compared / 4);
   EXPECT_LT(moved, compared);
 }

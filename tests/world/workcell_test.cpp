@@ -269,6 +269,8 @@ struct Fault {
   std::vector<const char*> says;
 };
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 void set_limits(WorkcellSpec& spec, std::function<void(robot::JointLimits&)> change) {
   robot::Model& model = spec.robots[0].model;
   robot::JointLimits limits = model.joints()[1].limits;
@@ -276,166 +278,163 @@ void set_limits(WorkcellSpec& spec, std::function<void(robot::JointLimits&)> cha
   model.set_limits(1, limits);
 }
 
-std::vector<Fault> faults() {
-  const ErrorCode invalid = ErrorCode::kInvalidInput, absent = ErrorCode::kNotFound;
-  const double inf = std::numeric_limits<double>::infinity();
-  using S = WorkcellSpec;
-  return {
-      {"no robot", [](S& s) { s.robots.clear(); }, invalid, {"at least one robot"}},
-      {"no arm", [](S& s) { s.arms.clear(); }, invalid, {"at least one arm"}},
-      {"many arms", [](S& s) { s.arms.resize(33, s.arms[0]); }, ErrorCode::kUnsupported, {"33"}},
-      {"robot twice", [](S& s) { s.robots[1].name = "left"; }, invalid, {"robot 'left'"}},
-      {"robot unnamed", [](S& s) { s.robots[1].name = ""; }, invalid, {"robot without a name"}},
-      {"robot slash", [](S& s) { s.robots[1].name = "a/b"; }, invalid, {"'a/b'", "'/'"}},
-      {"robot pose", [](S& s) { s.robots[0].X_WB.linear() *= 2; }, invalid, {"left", "base pose"}},
-      {"arm twice", [](S& s) { s.arms[1].name = "left"; }, invalid, {"arm 'left'", "rename"}},
-      {"arm robot", [](S& s) { s.arms[0].robot = "lefd"; }, absent, {"'lefd'", "mean 'left'"}},
-      {"arm group", [](S& s) { s.arms[0].group = "amr"; }, absent, {"'amr'", "mean 'arm'"}},
-      {"no SRDF", [](S& s) { s.robots[0].semantics = {}; }, absent, {"SRDF", "base and tip"}},
-      {"group and base", [](S& s) { s.arms[0].base = "base"; }, invalid, {"not both"}},
-      {"neither", [](S& s) { s.arms[0].group = ""; }, invalid, {"either an SRDF group"}},
-      {"arm tip", [](S& s) { s.arms[0].tip = "a33"; }, absent, {"'a33'", "mean 'a3'"}},
-      {"no tip",
-       [](S& s) { s.robots[0].semantics.groups[0].tip_link = -1; },
-       invalid,
-       {"arm 'left'", "tip link"}},
-      {"still tip", [](S& s) { s.arms[0].tip = "base"; }, invalid, {"none of its joints moves"}},
-      {"chain without tip",
-       [](S& s) { s.arms[0].group = "", s.arms[0].base = "base"; },
-       invalid,
-       {"no tip"}},
-      {"chain upwards",
-       [](S& s) { s.arms[0].group = "", s.arms[0].base = "a3", s.arms[0].tip = "a1"; },
-       invalid,
-       {"not below"}},
-      {"chain base",
-       [](S& s) { s.arms[0].group = "", s.arms[0].base = "bas", s.arms[0].tip = "a1"; },
-       absent,
-       {"mean 'base'"}},
-      {"empty group",
-       [](S& s) { s.robots[0].semantics.groups[0].joints.clear(); },
-       invalid,
-       {"no movable joint"}},
-      {"tool", [](S& s) { s.arms[0].X_LE.linear() *= -1; }, invalid, {"tool"}},
-      {"shared joint",
-       [](S& s) { s.arms[1].robot = "left"; },
-       invalid,
-       {"arm 'right'", "left/to_a1", "arm 'left'"}},
-      {"velocity",
-       [=](S& s) { set_limits(s, [=](auto& l) { l.velocity = inf; }); },
-       invalid,
-       {"left/to_a2", "velocity", "joint_limits", "limits: {to_a2:"}},
-      {"acceleration",
-       [=](S& s) { set_limits(s, [=](auto& l) { l.acceleration = inf; }); },
-       invalid,
-       {"left/to_a2", "acceleration", "joint_limits"}},
-      {"position",
-       [=](S& s) { set_limits(s, [=](auto& l) { l.lower = -inf; }); },
-       invalid,
-       {"left/to_a2", "position"}},
-      {"fixed name",
-       [](S& s) { s.robots[0].fixed_positions["to_x1"] = 0; },
-       absent,
-       {"to_x1", "mean 'to_a1'"}},
-      {"fixed owned",
-       [](S& s) { s.robots[0].fixed_positions["to_a1"] = 0; },
-       invalid,
-       {"to_a1", "arm 'left'"}},
-      {"fixed range",
-       [](S& s) {
-         s.arms[0].tip = "a3";
-         s.arms[0].base = "a1";
-         s.arms[0].group = "";
-         s.robots[0].fixed_positions["to_a1"] = 3.5;
-       },
-       invalid,
-       {"to_a1", "3.5", "limits"}},
-      {"mesh",
-       [](S& s) {
-         test::Tree tree;
-         tree.add("a1", tree.add("base"));
-         robot::Geometry mesh;
-         mesh.shape = robot::MeshGeometry{"package://p/a1.stl", "", Eigen::Vector3d::Ones()};
-         tree.links[1].collision.push_back(mesh);
-         s.robots[0].model = tree.make();
-         s.robots[0].semantics.groups[0] = {"arm", {0}, 1};
-         s.robots[0].semantics.disabled_pairs.clear();
-       },
-       invalid,
-       {"link 'a1'", "robot 'left'", "package://p/a1.stl", "volumes:"}},
-      {"volumes name",
-       [](S& s) { s.robots[0].volumes["a4"] = {ball()}; },
-       absent,
-       {"'a4'", "did you mean"}},
-      {"volumes empty", [](S& s) { s.robots[0].volumes["a3"] = {}; }, invalid, {"'a3'", "empty"}},
-      {"SRDF link",
-       [](S& s) { s.robots[0].semantics.disabled_pairs.push_back({"a1", "a9", ""}); },
-       absent,
-       {"'a9'"}},
-      {"obstacle unnamed", [](S& s) { s.obstacles[0].name = ""; }, invalid, {"no name"}},
-      {"obstacle twice",
-       [](S& s) { s.obstacles.push_back(s.obstacles[0]); },
-       invalid,
-       {"'table'", "rename"}},
-      {"obstacle as link", [](S& s) { s.obstacles[0].name = "left/a1"; }, invalid, {"'left/a1'"}},
-      {"obstacle empty",
-       [](S& s) { s.obstacles[0].shapes_W.clear(); },
-       invalid,
-       {"'table'", "no shapes"}},
-      {"attached link",
-       [](S& s) { s.attached.push_back({"part", "a3", {ball()}, {}}); },
-       absent,
-       {"'part'", "'a3'", "ROBOT/LINK"}},
-      {"attached touching",
-       [](S& s) { s.attached.push_back({"part", "left/a3", {ball()}, {"tabel"}}); },
-       absent,
-       {"'tabel'", "mean 'table'"}},
-      {"allowed name",
-       [](S& s) { s.allowed.push_back({"left/a1", "tabel", "x"}); },
-       absent,
-       {"'tabel'", "mean 'table'"}},
-      {"allowed itself",
-       [](S& s) { s.allowed.push_back({"table", "table", "x"}); },
-       invalid,
-       {"itself"}},
-      {"padding negative", [](S& s) { s.padding = -0.01; }, invalid, {"padding", "-0.01"}},
-      {"padding nan", [](S& s) { s.body_padding["table"] = std::nan(""); }, invalid, {"'table'"}},
-      {"padding name", [](S& s) { s.body_padding["tabel"] = 0; }, absent, {"'tabel'", "padding"}},
-      {"query twice", [](S& s) { s.queries.push_back(s.queries[0]); }, invalid, {"query 'move'"}},
-      {"query arm",
-       [](S& s) { s.queries[0].goal["lefd"] = StateGoal{"ready"}; },
-       absent,
-       {"goal of query 'move'", "mean 'left'"}},
-      {"query size",
-       [](S& s) { s.queries[0].start["right"] = JointGoal{values({1, 2})}; },
-       invalid,
-       {"start of query 'move'", "arm 'right'", "3 joints", "2 values"}},
-      {"query nan",
-       [](S& s) { s.queries[0].goal["right"] = JointGoal{values({1, 2, std::nan("")})}; },
-       invalid,
-       {"finite"}},
-      {"query state",
-       [](S& s) { s.queries[0].goal["left"] = StateGoal{"home"}; },
-       absent,
-       {"'home'", "ready"}},
-      {"query pose",
-       [](S& s) {
-         PoseGoal goal;
-         goal.X_WE.linear().setZero();
-         s.queries[0].goal["left"] = goal;
-       },
-       invalid,
-       {"rigid"}},
-      {"query no goal", [](S& s) { s.queries[0].goal.clear(); }, invalid, {"no goal"}},
-      {"query no start",
-       [](S& s) { s.queries[0].start.erase("right"); },
-       invalid,
-       {"no start for arm 'right'"}},
-  };
-}
+using S = WorkcellSpec;
+const ErrorCode kInvalid = ErrorCode::kInvalidInput, kAbsent = ErrorCode::kNotFound;
+const std::vector<Fault> kFaults = {
+    {"no robot", [](S& s) { s.robots.clear(); }, kInvalid, {"at least one robot"}},
+    {"no arm", [](S& s) { s.arms.clear(); }, kInvalid, {"at least one arm"}},
+    {"many arms", [](S& s) { s.arms.resize(33, s.arms[0]); }, ErrorCode::kUnsupported, {"33"}},
+    {"robot twice", [](S& s) { s.robots[1].name = "left"; }, kInvalid, {"robot 'left'"}},
+    {"robot unnamed", [](S& s) { s.robots[1].name = ""; }, kInvalid, {"robot without a name"}},
+    {"robot slash", [](S& s) { s.robots[1].name = "a/b"; }, kInvalid, {"'a/b'", "'/'"}},
+    {"robot pose", [](S& s) { s.robots[0].X_WB.linear() *= 2; }, kInvalid, {"left", "base pose"}},
+    {"arm twice", [](S& s) { s.arms[1].name = "left"; }, kInvalid, {"arm 'left'", "rename"}},
+    {"arm robot", [](S& s) { s.arms[0].robot = "lefd"; }, kAbsent, {"'lefd'", "mean 'left'"}},
+    {"arm group", [](S& s) { s.arms[0].group = "amr"; }, kAbsent, {"'amr'", "mean 'arm'"}},
+    {"no SRDF", [](S& s) { s.robots[0].semantics = {}; }, kAbsent, {"SRDF", "base and tip"}},
+    {"group and base", [](S& s) { s.arms[0].base = "base"; }, kInvalid, {"not both"}},
+    {"neither", [](S& s) { s.arms[0].group = ""; }, kInvalid, {"either an SRDF group"}},
+    {"arm tip", [](S& s) { s.arms[0].tip = "a33"; }, kAbsent, {"'a33'", "mean 'a3'"}},
+    {"no tip",
+     [](S& s) { s.robots[0].semantics.groups[0].tip_link = -1; },
+     kInvalid,
+     {"arm 'left'", "tip link"}},
+    {"still tip", [](S& s) { s.arms[0].tip = "base"; }, kInvalid, {"none of its joints moves"}},
+    {"chain without tip",
+     [](S& s) { s.arms[0].group = "", s.arms[0].base = "base"; },
+     kInvalid,
+     {"no tip"}},
+    {"chain upwards",
+     [](S& s) { s.arms[0].group = "", s.arms[0].base = "a3", s.arms[0].tip = "a1"; },
+     kInvalid,
+     {"not below"}},
+    {"chain base",
+     [](S& s) { s.arms[0].group = "", s.arms[0].base = "bas", s.arms[0].tip = "a1"; },
+     kAbsent,
+     {"mean 'base'"}},
+    {"empty group",
+     [](S& s) { s.robots[0].semantics.groups[0].joints.clear(); },
+     kInvalid,
+     {"no movable joint"}},
+    {"tool", [](S& s) { s.arms[0].X_LE.linear() *= -1; }, kInvalid, {"tool"}},
+    {"shared joint",
+     [](S& s) { s.arms[1].robot = "left"; },
+     kInvalid,
+     {"arm 'right'", "left/to_a1", "arm 'left'"}},
+    {"velocity",
+     [](S& s) { set_limits(s, [](auto& l) { l.velocity = kInfinity; }); },
+     kInvalid,
+     {"left/to_a2", "velocity", "joint_limits", "limits: {to_a2:"}},
+    {"acceleration",
+     [](S& s) { set_limits(s, [](auto& l) { l.acceleration = kInfinity; }); },
+     kInvalid,
+     {"left/to_a2", "acceleration", "joint_limits"}},
+    {"position",
+     [](S& s) { set_limits(s, [](auto& l) { l.lower = -kInfinity; }); },
+     kInvalid,
+     {"left/to_a2", "position"}},
+    {"fixed name",
+     [](S& s) { s.robots[0].fixed_positions["to_x1"] = 0; },
+     kAbsent,
+     {"to_x1", "mean 'to_a1'"}},
+    {"fixed owned",
+     [](S& s) { s.robots[0].fixed_positions["to_a1"] = 0; },
+     kInvalid,
+     {"to_a1", "arm 'left'"}},
+    {"fixed range",
+     [](S& s) {
+       s.arms[0].tip = "a3";
+       s.arms[0].base = "a1";
+       s.arms[0].group = "";
+       s.robots[0].fixed_positions["to_a1"] = 3.5;
+     },
+     kInvalid,
+     {"to_a1", "3.5", "limits"}},
+    {"mesh",
+     [](S& s) {
+       test::Tree tree;
+       tree.add("a1", tree.add("base"));
+       robot::Geometry mesh;
+       mesh.shape = robot::MeshGeometry{"package://p/a1.stl", "", Eigen::Vector3d::Ones()};
+       tree.links[1].collision.push_back(mesh);
+       s.robots[0].model = tree.make();
+       s.robots[0].semantics.groups[0] = {"arm", {0}, 1};
+       s.robots[0].semantics.disabled_pairs.clear();
+     },
+     kInvalid,
+     {"link 'a1'", "robot 'left'", "package://p/a1.stl", "volumes:"}},
+    {"volumes name",
+     [](S& s) { s.robots[0].volumes["a4"] = {ball()}; },
+     kAbsent,
+     {"'a4'", "did you mean"}},
+    {"volumes empty", [](S& s) { s.robots[0].volumes["a3"] = {}; }, kInvalid, {"'a3'", "empty"}},
+    {"SRDF link",
+     [](S& s) { s.robots[0].semantics.disabled_pairs.push_back({"a1", "a9", ""}); },
+     kAbsent,
+     {"'a9'"}},
+    {"obstacle unnamed", [](S& s) { s.obstacles[0].name = ""; }, kInvalid, {"no name"}},
+    {"obstacle twice",
+     [](S& s) { s.obstacles.push_back(s.obstacles[0]); },
+     kInvalid,
+     {"'table'", "rename"}},
+    {"obstacle as link", [](S& s) { s.obstacles[0].name = "left/a1"; }, kInvalid, {"'left/a1'"}},
+    {"obstacle empty",
+     [](S& s) { s.obstacles[0].shapes_W.clear(); },
+     kInvalid,
+     {"'table'", "no shapes"}},
+    {"attached link",
+     [](S& s) { s.attached.push_back({"part", "a3", {ball()}, {}}); },
+     kAbsent,
+     {"'part'", "'a3'", "ROBOT/LINK"}},
+    {"attached touching",
+     [](S& s) { s.attached.push_back({"part", "left/a3", {ball()}, {"tabel"}}); },
+     kAbsent,
+     {"'tabel'", "mean 'table'"}},
+    {"allowed name",
+     [](S& s) { s.allowed.push_back({"left/a1", "tabel", "x"}); },
+     kAbsent,
+     {"'tabel'", "mean 'table'"}},
+    {"allowed itself",
+     [](S& s) { s.allowed.push_back({"table", "table", "x"}); },
+     kInvalid,
+     {"itself"}},
+    {"padding negative", [](S& s) { s.padding = -0.01; }, kInvalid, {"padding", "-0.01"}},
+    {"padding nan", [](S& s) { s.body_padding["table"] = std::nan(""); }, kInvalid, {"'table'"}},
+    {"padding name", [](S& s) { s.body_padding["tabel"] = 0; }, kAbsent, {"'tabel'", "padding"}},
+    {"query twice", [](S& s) { s.queries.push_back(s.queries[0]); }, kInvalid, {"query 'move'"}},
+    {"query arm",
+     [](S& s) { s.queries[0].goal["lefd"] = StateGoal{"ready"}; },
+     kAbsent,
+     {"goal of query 'move'", "mean 'left'"}},
+    {"query size",
+     [](S& s) { s.queries[0].start["right"] = JointGoal{values({1, 2})}; },
+     kInvalid,
+     {"start of query 'move'", "arm 'right'", "3 joints", "2 values"}},
+    {"query nan",
+     [](S& s) { s.queries[0].goal["right"] = JointGoal{values({1, 2, std::nan("")})}; },
+     kInvalid,
+     {"finite"}},
+    {"query state",
+     [](S& s) { s.queries[0].goal["left"] = StateGoal{"home"}; },
+     kAbsent,
+     {"'home'", "ready"}},
+    {"query pose",
+     [](S& s) {
+       PoseGoal goal;
+       goal.X_WE.linear().setZero();
+       s.queries[0].goal["left"] = goal;
+     },
+     kInvalid,
+     {"rigid"}},
+    {"query no goal", [](S& s) { s.queries[0].goal.clear(); }, kInvalid, {"no goal"}},
+    {"query no start",
+     [](S& s) { s.queries[0].start.erase("right"); },
+     kInvalid,
+     {"no start for arm 'right'"}},
+};
 
 TEST(Faults, AreReportedWithNameAndRemedy) {
-  for (const Fault& fault : faults()) {
+  for (const Fault& fault : kFaults) {
     SCOPED_TRACE(fault.name);
     WorkcellSpec spec = two_arms();
     spec.queries = {query_spec("move")};

@@ -30,7 +30,7 @@ Result<void> check_unique(const std::vector<Spec>& specs, const std::string& wha
     }
     if (!seen.insert(spec.name).second) {
       return refuse(ErrorCode::kInvalidInput, spec.where,
-                    "two entries are called " + what + " '" + spec.name + "'; rename one");
+                    what + " '" + spec.name + "' exists twice; rename one");
     }
   }
   return {};
