@@ -10,7 +10,7 @@
 
 namespace tandem::geometry {
 
-using detail::Nearest;
+using detail::Nearest, detail::Separation;
 using Eigen::Vector3d;
 
 namespace {
@@ -87,39 +87,51 @@ Clearance with_radii(const Shape& a, const Shape& b, const Vector3d& nhat, doubl
   return {distance, nhat, p + distance * nhat, p};
 }
 
-/// Clearance of cores that touch or overlap, or nearly.
-Clearance touching_clearance(const Shape& a, const Shape& b, const Nearest& nearest) {
-  const detail::Separation best = detail::best_separation(a, b, nearest);
+/// Whether the cores are so far apart that their nearest points are all there is to know.
+bool is_apart(const Shape& a, const Shape& b, const Query& found, double gap) {
+  if (!(gap > kTouching)) return false;
+  return found.proven || detail::separation(a, b, found.nearest.p_BA_W / gap) > 0;
+}
+
+/// Best separation of cores that touch or overlap, or nearly, with nearest points `gap` apart.
+Separation touching_separation(const Shape& a, const Shape& b, const Nearest& nearest, double gap) {
+  Separation best = detail::best_separation(a, b, nearest);
   // Apart after all: of the two bounds the nearest points' is the better, if it is about these.
-  const double gap = std::sqrt(nearest.squared);
-  if (best.gap > 0 && gap < kTouching) {
-    return with_radii(a, b, best.nhat_BA_W, gap, nearest.p_WCb);
-  }
-  // Moved by the depth the cores just touch, and where they do are the witness points.
-  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
-  X.translation() = -best.gap * best.nhat_BA_W;
-  const Nearest touch = query(a.in(X), b).nearest;
-  return with_radii(a, b, best.nhat_BA_W, best.gap, touch.p_WCb + 0.5 * touch.p_BA_W);
+  if (best.gap > 0 && gap < kTouching) best.gap = gap;
+  return best;
 }
 
 }  // namespace
 
 Clearance clearance(const Shape& a_W, const Shape& b_W) {
-  const auto [nearest, proven] = query(a_W, b_W);
+  const Query found = query(a_W, b_W);
+  const Nearest& nearest = found.nearest;
   const double gap = std::sqrt(nearest.squared);
-  if (gap > kTouching) {
-    const Vector3d nhat_BA_W = nearest.p_BA_W / gap;
-    if (proven || detail::separation(a_W, b_W, nhat_BA_W) > 0) {
-      return with_radii(a_W, b_W, nhat_BA_W, gap, nearest.p_WCb);
-    }
+  if (is_apart(a_W, b_W, found, gap)) {
+    return with_radii(a_W, b_W, nearest.p_BA_W / gap, gap, nearest.p_WCb);
   }
-  return touching_clearance(a_W, b_W, nearest);
+  const auto [nhat_BA_W, depth] = touching_separation(a_W, b_W, nearest, gap);
+  if (depth > 0 && gap < kTouching) {
+    return with_radii(a_W, b_W, nhat_BA_W, depth, nearest.p_WCb);
+  }
+  // Moved by the depth the cores just touch, and where they do are the witness points.
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.translation() = -depth * nhat_BA_W;
+  const Nearest touch = query(a_W.in(X), b_W).nearest;
+  return with_radii(a_W, b_W, nhat_BA_W, depth, touch.p_WCb + 0.5 * touch.p_BA_W);
+}
+
+double distance(const Shape& a_W, const Shape& b_W) {
+  const Query found = query(a_W, b_W);
+  const double gap = std::sqrt(found.nearest.squared);
+  if (is_apart(a_W, b_W, found, gap)) return gap - a_W.radius() - b_W.radius();
+  const double depth = touching_separation(a_W, b_W, found.nearest, gap).gap;
+  return depth - a_W.radius() - b_W.radius();
 }
 
 double distance_to_point(const Shape& a_W, const Vector3d& p_W) {
-  const auto point = Shape::sphere(p_W, 1);
-  expects(point.has_value(), "distance_to_point: the point must be finite");
-  return clearance(*point, a_W).distance + 1;
+  expects(p_W.allFinite(), "distance_to_point: the point must be finite");
+  return distance(*Shape::sphere(p_W, 1), a_W) + 1;
 }
 
 }  // namespace tandem::geometry

@@ -19,7 +19,10 @@ struct Clearance {
 /// cylinders whose cores overlap.
 Clearance clearance(const Shape& a_W, const Shape& b_W);
 
-/// Distance of a point to a shape's surface [m], negative inside.
+/// `clearance(a_W, b_W).distance` alone [m], faster.
+double distance(const Shape& a_W, const Shape& b_W);
+
+/// Distance of a point, which must be finite, to a shape's surface [m], negative inside.
 double distance_to_point(const Shape& a_W, const Eigen::Vector3d& p_W);
 
 }  // namespace tandem::geometry

@@ -43,15 +43,18 @@ class Polytope {
         add({vx, vz, vy}, {i ^ 2, i ^ 1, i ^ 4});
       }
     }
+    if (facets_.size() != 8) queue_ = {};
   }
 
-  /// The facet whose plane is nearest to the origin, counting outside as negative.
-  const Facet& nearest() {
-    while (!facets_[static_cast<std::size_t>(queue_.top().second)].alive) queue_.pop();
-    return facets_[static_cast<std::size_t>(queue_.top().second)];
+  /// The facet whose plane is nearest to the origin, counting outside as negative; none if the
+  /// octahedron had no volume.
+  std::optional<Facet> nearest() {
+    while (!queue_.empty() && !facet(queue_.top().second).alive) queue_.pop();
+    if (queue_.empty()) return std::nullopt;
+    return facet(queue_.top().second);
   }
 
-  /// Makes the nearest facet's surroundings reach out to `w`, which lies beyond that facet.
+  /// Makes the surroundings of the facet that `nearest` gave reach out to `w` beyond it.
   /// @return false if rounding left no valid polytope: then it must not be used again.
   bool expand_nearest(const Vector3d& w);
 
@@ -78,7 +81,6 @@ bool Polytope::expand_nearest(const Vector3d& w) {
   struct Rim {
     int from, to, outer, inner;  // Edge, the facet that stays, the facet that goes.
   };
-  nearest();
   std::vector<int> gone{queue_.top().second};
   std::vector<Rim> rims;
   facet(gone[0]).alive = false;
@@ -140,12 +142,12 @@ Separation expand_polytope(const Shape& a, const Shape& b, const Separation& gue
   Polytope polytope(b.origin() - a.origin(), x, y, z);
   Separation best = guess;
   for (int step = 0; step < kSteps; ++step) {
-    const Facet nearest = polytope.nearest();
-    if (-best.gap <= nearest.offset + kTolerance) break;
-    const Vector3d w = b.support(nearest.nhat) - a.support(-nearest.nhat);
-    const double reach = w.dot(nearest.nhat);
-    if (-reach > best.gap) best = {nearest.nhat, -reach};
-    if (reach <= nearest.offset + kTolerance || !polytope.expand_nearest(w)) break;
+    const std::optional<Facet> nearest = polytope.nearest();
+    if (!nearest || -best.gap <= nearest->offset + kTolerance) break;
+    const Vector3d w = b.support(nearest->nhat) - a.support(-nearest->nhat);
+    const double reach = w.dot(nearest->nhat);
+    if (-reach > best.gap) best = {nearest->nhat, -reach};
+    if (reach <= nearest->offset + kTolerance || !polytope.expand_nearest(w)) break;
   }
   return best;
 }
