@@ -50,7 +50,7 @@ std::string summary(const PlanCommand& command, const pipeline::Plan& plan) {
   add("certificate", report.times.certificate * 1e3, 3, "ms");
   add("total", report.times.total * 1e3, 3, "ms");
   add("motion duration", plan.trajectory.duration(), 3, "s");
-  add("least clearance", report.least_clearance * 1e3, 1, "mm");
+  add("least clearance", report.least_clearance * 1e3, 3, "mm");
   std::string text = "query " + plan.query + ", preset " + to_string(plan.preset) + ", seed " +
                      std::to_string(plan.seed) + "\n" + table.text();
   std::string rungs;

@@ -360,6 +360,16 @@ class Gearbox(CommandLine):
                 self.ok("plan", self.CELL, query["name"], "-o", file)
                 self.ok("verify", file, "--rate", "250")
 
+    def test_commands_of_the_readme_do_what_they_say(self):
+        (self.folder / "scenarios").symlink_to(SOURCE / "scenarios")
+        text = (SOURCE / "README.md").read_text()
+        lines = re.findall(r"(?m)^    build/release/bin/tandem (.*)$", text)
+        self.assertEqual([line.split()[0] for line in lines], ["check", "plan", "verify", "bench"])
+        for line in lines:
+            self.ok(*re.sub(r"--cycles \d+", "--cycles 1", line).split())
+        self.assertTrue((self.folder / "plan.json").exists())
+        self.assertTrue((self.folder / "bench.json").exists())
+
 
 if __name__ == "__main__":
     unittest.main(argv=sys.argv[:1], verbosity=1)
