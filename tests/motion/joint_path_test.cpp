@@ -54,6 +54,11 @@ TEST(Interpolated, DividesTheLongestEdgesEvenly) {
   for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_DOUBLE_EQ(dense[i][0], expected[i]);
 }
 
+TEST(Interpolated, DividesEqualEdgesFromTheStartOn) {
+  const JointPath path{VectorXd::Zero(1), VectorXd::Ones(1), VectorXd::Constant(1, 2)};
+  EXPECT_EQ(interpolated(path, 4)[1][0], 0.5);
+}
+
 TEST(Interpolated, HasNoPieceThatAnotherDivisionWouldNotExcuse) {
   Rng rng(2);
   for (int i = 0; i < 100; ++i) {

@@ -168,6 +168,17 @@ TEST(PiecewiseCubic, DeviationIsTheExactMaximum) {
   }
 }
 
+TEST(PiecewiseCubic, DeviationSeesPeaksInEverySegment) {
+  // Still, then a bump of height 1 in the last segment; the middle of the whole lies on the floor.
+  Coefficients still = Coefficients::Zero(1, 4), bump = still;
+  bump << 0, 4, -4, 0;
+  VectorXd D(1);
+  PiecewiseCubic::make({0, 1, 2, 3}, {still, still, bump})->deviation(0, 3, D);
+  EXPECT_DOUBLE_EQ(D[0], 1);
+  PiecewiseCubic::make({0, 1, 2, 3}, {bump, still, still})->deviation(0, 3, D);
+  EXPECT_DOUBLE_EQ(D[0], 1);
+}
+
 TEST(PiecewiseCubic, DeviationOfAnInstantIsZero) {
   Rng rng(3);
   const PiecewiseCubic motion = random_motion(rng, 3, 2);

@@ -104,5 +104,24 @@ TEST(TimingProblem, StretchingStartsWithinTheLimitsAndBelowUniformScaling) {
   EXPECT_GE(shorter, 95);
 }
 
+TEST(TimingProblem, FinishesExactlyWhereKnotsAreRounded) {
+  // Short intervals late in a motion of an hour: knots carry them to ten digits only.
+  robot::JointLimits limit;
+  limit.velocity = 1e-3;
+  limit.acceleration = 1e-2;
+  for (int seed = 0; seed < 50; ++seed) {
+    Rng rng(static_cast<std::uint64_t>(seed));
+    motion::JointPath path{VectorXd::Zero(1), VectorXd::Constant(1, 4)};
+    for (int i = 0; i < 5; ++i) {
+      path.push_back(path.back() + VectorXd::Constant(1, rng.uniform(-1e-4, 1e-4)));
+    }
+    const std::vector<robot::JointLimits> limits{limit};
+    const TimingProblem problem(path, limits, {});
+    const Timing timing = problem.finish(problem.initial_intervals(), 0);
+    EXPECT_GT(timing.duration, 3600);
+    EXPECT_TRUE(check_limits(fit_spline(path, timing.durations), limits, 0).empty()) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace tandem::trajectory

@@ -71,11 +71,9 @@ class Barrier {
     const ArrayXd pull = h_.array() / (mu_ * reference_);
     VectorXd gradient = 2 * J.transpose() * (problem_.ratios().array() / slack_).matrix();
     gradient.array() += pull - 2 * bound_ / (1 - bound_);
-    weighted_ = (2 / slack_).matrix().asDiagonal() * J;
-    MatrixXd H = MatrixXd::Zero(J.cols(), J.cols());
-    H.selfadjointView<Eigen::Lower>().rankUpdate(weighted_.transpose());
-    H.diagonal().array() += pull + 4 * bound_ / (1 - bound_).square();
-    const VectorXd step = -H.selfadjointView<Eigen::Lower>().llt().solve(gradient);
+    add_squares(J);
+    H_.diagonal().array() += pull + 4 * bound_ / (1 - bound_).square();
+    const VectorXd step = -H_.selfadjointView<Eigen::Lower>().llt().solve(gradient);
     const double slope = gradient.dot(step);
     if (!(slope < -tolerance)) return false;
 
@@ -95,10 +93,28 @@ class Barrier {
     return false;
   }
 
+  /// H = J^T diag(4 / slack^2) J, lower half. A spline forgets an interval by a factor of about 4
+  /// per knot, so a block of ratios needs only the intervals near it.
+  void add_squares(const MatrixXd& J) {
+    constexpr Index kBlock = 16, kReach = 8;
+    const Index m = J.cols(), per_interval = J.rows() / m;
+    H_.setZero(m, m);
+    for (Index k = 0; k < m; k += kBlock) {
+      const Index end = std::min(k + kBlock, m), first = std::max<Index>(k - kReach, 0);
+      const Index width = std::min(end + kReach, m) - first;
+      const Index row = k * per_interval, rows = (end - k) * per_interval;
+      weighted_ =
+          (2 / slack_.segment(row, rows)).matrix().asDiagonal() * J.block(row, first, rows, width);
+      H_.block(first, first, width, width)
+          .selfadjointView<Eigen::Lower>()
+          .rankUpdate(weighted_.transpose());
+    }
+  }
+
   TimingProblem& problem_;
   VectorXd u_, h_, best_;
   ArrayXd slack_, bound_;
-  MatrixXd weighted_;
+  MatrixXd weighted_, H_;
   double best_total_, reference_;
   double mu_ = 0, value_ = 0;
   int iterations_ = 0;
