@@ -47,7 +47,6 @@ class Solver {
     const auto count = static_cast<Eigen::Index>(problem.columns.size());
     J_W_.resize(6, count);
     step_.resize(count);
-    frozen_.resize(problem.columns.size());
     for (const int column : problem.columns) {
       const Joint& joint = joints()[index(model_.joint_of_position(column))];
       limits_.push_back(joint.limits);
@@ -93,7 +92,6 @@ class Solver {
   std::vector<JointLimits> limits_;  ///< By column.
   std::vector<PathJoint> path_;
   Eigen::VectorXd seed_, positions_, step_;
-  std::vector<char> frozen_;
   LinkPoses X_WL_;
   Eigen::Isometry3d X_WE_;
   Vector6d error_W_;
@@ -202,7 +200,6 @@ void Solver::linearise() {
 void Solver::make_step() {
   // Damping by the squared error keeps the order of convergence and tames singular poses far off.
   const double damping = 1e-12 + 0.05 * error_W_.squaredNorm();
-  std::ranges::fill(frozen_, char{0});
   for (bool is_settled = false; !is_settled;) {
     Eigen::Matrix<double, 6, 6> A = damping * Eigen::Matrix<double, 6, 6>::Identity();
     A.noalias() += J_W_.lazyProduct(J_W_.transpose());
@@ -212,8 +209,8 @@ void Solver::make_step() {
       const auto column = static_cast<Eigen::Index>(i);
       const bool leaves = (step_[column] > 0 && position(i) >= limits_[i].upper) ||
                           (step_[column] < 0 && position(i) <= limits_[i].lower);
-      if (frozen_[i] || !leaves) continue;
-      frozen_[i] = 1;
+      if (!leaves) continue;
+      // Without its column the joint's step is exactly zero from here on.
       J_W_.col(column).setZero();
       is_settled = false;
     }
