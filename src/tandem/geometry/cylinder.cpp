@@ -62,7 +62,8 @@ double nearest_parameter(const Vector3d& r, const Vector3d& d, const Axis& axis)
     if (distance > axis.radius) {
       const double outside = 1 - axis.radius / distance, rate = r0r1 + t * r1r1;
       sum.value += outside * rate;
-      sum.derivative += outside * r1r1 + axis.radius * rate * rate / std::pow(distance, 3);
+      sum.derivative +=
+          outside * r1r1 + axis.radius * rate * rate / (distance * distance * distance);
     }
     return sum;
   };
@@ -106,7 +107,9 @@ Nearest nearest_with_cylinder(const Shape& a, const Shape& b) {
   if (a.type() == CoreType::kCylinder) return nearest_cylinders(a, b);
   Nearest best;
   const auto keep_edges = [&](const auto& edges) {
-    for (const Segment& edge : edges) keep_nearer(best, nearest_segment_cylinder(edge, b));
+    for (const Segment& edge : edges) {
+      if (!is_touch(best)) keep_nearer(best, nearest_segment_cylinder(edge, b));
+    }
   };
   const auto& u = a.extents();
   switch (a.type()) {
@@ -167,8 +170,8 @@ void consider_rims(const Segment& edge, const Shape& cylinder, DirectionSearch& 
     } else if (ob < 0) {
       if (!(level < HUGE_VAL)) continue;
       low = level;
-      const double steepest = std::pow(c * beta2 / -ob, 2.0 / 3.0) - beta2;
-      high = std::sqrt(std::max(0.0, steepest)) / R;
+      const double rho = std::cbrt(c * beta2 / -ob);  // Where the derivative is greatest.
+      high = std::sqrt(std::max(0.0, rho * rho - beta2)) / R;
     } else {
       low = level;
     }

@@ -25,6 +25,12 @@ inline void keep_nearer(Nearest& best, const Nearest& other) {
   if (other.squared < best.squared) best = other;
 }
 
+/// Whether no pair can be nearer but for rounding: the cores touch there.
+inline bool is_touch(const Nearest& nearest) {
+  constexpr double kTouch = 1e-28;  // [m^2]
+  return nearest.squared < kTouch;
+}
+
 /// A segment {c + t u, |t| <= 1}, all in W.
 struct Segment {
   Eigen::Vector3d c, u;

@@ -70,7 +70,10 @@ Vector3d corner(const Shape& shape, int i) {
 template <int N>
 Nearest nearest_triangle_orthotope(const Triangle& a, const Shape& b) {
   Nearest best;
-  for (const Segment& edge : a.edges) keep_nearer(best, nearest_segment_orthotope<N>(edge, b));
+  for (const Segment& edge : a.edges) {
+    keep_nearer(best, nearest_segment_orthotope<N>(edge, b));
+    if (is_touch(best)) return best;
+  }
   for (int i = 0; i < (1 << N); ++i) {
     const Vector3d p = corner<N>(b, i);
     if (a.is_over(p)) keep_nearer(best, nearest_on_face(p, a).swapped());
@@ -82,7 +85,10 @@ Nearest nearest_triangle_orthotope(const Triangle& a, const Shape& b) {
 template <int N, int M>
 Nearest nearest_orthotopes(const Shape& a, const Shape& b) {
   Nearest best;
-  for (const Segment& edge : Edges(a)) keep_nearer(best, nearest_segment_orthotope<M>(edge, b));
+  for (const Segment& edge : Edges(a)) {
+    keep_nearer(best, nearest_segment_orthotope<M>(edge, b));
+    if (is_touch(best)) return best;
+  }
   for (int i = 0; i < (1 << M); ++i) {
     keep_nearer(best, nearest_point_orthotope<N>(corner<M>(b, i), a).swapped());
   }

@@ -18,15 +18,29 @@ struct Interval {
 /// Extent of the core along `nhat`, from its origin.
 Interval project(const Shape& shape, const Vector3d& nhat) {
   const auto& u = shape.extents();
-  if (shape.type() == CoreType::kTriangle) {
-    const double q = u.col(0).dot(nhat), r = u.col(1).dot(nhat);
-    return {std::min({0.0, q, r}), std::max({0.0, q, r})};
-  }
+  const auto along = [&](int i) { return u.col(i).dot(nhat); };
   double reach = 0;
-  for (int i = 0; i < shape.size_count(); ++i) reach += std::abs(u.col(i).dot(nhat));
-  if (shape.type() == CoreType::kCylinder) {
-    const Vector3d axis = u.col(0);
-    reach += shape.core_radius() * std::sqrt(shape.inverse_squares()[0]) * axis.cross(nhat).norm();
+  switch (shape.type()) {
+    case CoreType::kPoint:
+      break;
+    case CoreType::kSegment:
+      reach = std::abs(along(0));
+      break;
+    case CoreType::kTriangle: {
+      const double q = along(0), r = along(1);
+      return {std::min(0.0, std::min(q, r)), std::max(0.0, std::max(q, r))};
+    }
+    case CoreType::kRectangle:
+      reach = std::abs(along(0)) + std::abs(along(1));
+      break;
+    case CoreType::kBox:
+      reach = std::abs(along(0)) + std::abs(along(1)) + std::abs(along(2));
+      break;
+    case CoreType::kCylinder: {
+      const double sine = std::sqrt(shape.inverse_squares()[0]) * u.col(0).cross(nhat).norm();
+      reach = std::abs(along(0)) + shape.core_radius() * sine;
+      break;
+    }
   }
   return {-reach, reach};
 }
@@ -81,11 +95,16 @@ Vector3d normal_to_all(const Directions& a, const Directions& b) {
 }  // namespace
 
 void DirectionSearch::consider(const Vector3d& n) {
-  // Scaled first: the square of a short vector may underflow.
-  const double largest = n.cwiseAbs().maxCoeff();
-  if (!(largest > 0)) return;
-  Vector3d nhat = n / largest;
-  nhat /= nhat.norm();
+  constexpr double kSmall = 1e-200, kLarge = 1e200;  // [-] Squares beyond may be out of range.
+  double square = n.squaredNorm();
+  Vector3d nhat = n;
+  if (!(square > kSmall && square < kLarge)) {
+    const double largest = n.cwiseAbs().maxCoeff();
+    if (!(largest > 0)) return;
+    nhat = n / largest;
+    square = nhat.squaredNorm();
+  }
+  nhat /= std::sqrt(square);
   const Interval a = project(a_, nhat), b = project(b_, nhat);
   const double between = p_ba_.dot(nhat);
   keep(nhat, between + a.low - b.high);
@@ -105,19 +124,21 @@ Separation best_separation(const Shape& a, const Shape& b, const Nearest& neares
   for (const Vector3d& u : edges_a) {
     for (const Vector3d& v : edges_b) search.consider(accurate_cross(u, v));
   }
-  // Where no facet exists (all edges parallel) every normal to them is as good.
-  search.consider(normal_to_all(edges_a, edges_b));
+  // Where no facet exists (all edges parallel) every normal to them is as good; so it is where all
+  // of one core is on a cylinder's axis.
+  const bool curved = a.type() == CoreType::kCylinder || b.type() == CoreType::kCylinder;
+  if (curved || !search.found_any()) search.consider(normal_to_all(edges_a, edges_b));
   // Still apart at a corner or edge: what is left of the gap, freed of its noise along an edge.
   const Vector3d& e = nearest.p_BA_W;
-  search.consider(e);
-  for (const Directions* edges : {&edges_a, &edges_b}) {
-    for (const Vector3d& u : *edges) {
-      if (u.squaredNorm() > 0) search.consider(e - u * (u.dot(e) / u.squaredNorm()));
+  if (nearest.squared > 0) {
+    search.consider(e);
+    for (const Directions* edges : {&edges_a, &edges_b}) {
+      for (const Vector3d& u : *edges) {
+        if (u.squaredNorm() > 0) search.consider(e - u * (u.dot(e) / u.squaredNorm()));
+      }
     }
   }
-  if (a.type() == CoreType::kCylinder || b.type() == CoreType::kCylinder) {
-    search_curved(a, b, search);
-  }
+  if (curved) search_curved(a, b, search);
   return search.best();
 }
 

@@ -24,16 +24,19 @@ class DirectionSearch {
   void consider(const Eigen::Vector3d& n);
 
   const Separation& best() const { return best_; }
+  bool found_any() const { return best_.gap > kNone; }
 
  private:
   void keep(const Eigen::Vector3d& nhat, double gap) {
     if (gap > best_.gap) best_ = {nhat, gap};
   }
 
+  static constexpr double kNone = -std::numeric_limits<double>::max();
+
   const Shape& a_;
   const Shape& b_;
   Eigen::Vector3d p_ba_;
-  Separation best_{Eigen::Vector3d::UnitZ(), -std::numeric_limits<double>::max()};
+  Separation best_{Eigen::Vector3d::UnitZ(), kNone};
 };
 
 /// The best separation of cores that overlap, touch, or are so near (1e-8 m) that `nearest` alone

@@ -145,22 +145,6 @@ Result<Shape> Shape::cylinder(const Isometry3d& X_FC, double core_radius, double
                columns(0.5 * length * X_FC.linear().col(2)), core_radius, radius);
 }
 
-int Shape::size_count() const {
-  switch (type_) {
-    case CoreType::kPoint:
-      return 0;
-    case CoreType::kSegment:
-    case CoreType::kCylinder:
-      return 1;
-    case CoreType::kTriangle:
-    case CoreType::kRectangle:
-      return 2;
-    case CoreType::kBox:
-      return 3;
-  }
-  return 0;
-}
-
 Shape Shape::in(const Isometry3d& X_WF) const {
   Shape shape_W = *this;
   shape_W.c_ = X_WF * c_;

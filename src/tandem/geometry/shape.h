@@ -54,7 +54,10 @@ class Shape {
   const Eigen::Matrix3d& extents() const { return u_; }
   /// 1 / |u|^2 of every extent [1/m^2], 0 where it is zero: what makes projections on u cheap.
   const Eigen::Vector3d& inverse_squares() const { return inverse_squares_; }
-  int size_count() const;
+  int size_count() const {
+    constexpr int kCounts[] = {0, 1, 2, 2, 3, 1};
+    return kCounts[static_cast<int>(type_)];
+  }
   double radius() const { return radius_; }
   double core_radius() const { return core_radius_; }
 
