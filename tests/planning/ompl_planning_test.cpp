@@ -8,6 +8,7 @@
 #include <ompl/util/Console.h>
 
 #include "conformance/planner_conformance.h"
+#include "conformance/simplifier_conformance.h"
 
 namespace tandem::planning {
 namespace {

@@ -50,8 +50,10 @@ VectorXd random_vector(Rng& rng, Eigen::Index n, double size) {
   return v;
 }
 
-auto by_values = [](const VectorXd& a, const VectorXd& b) {
-  return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+struct ByValues {
+  bool operator()(const VectorXd& a, const VectorXd& b) const {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  }
 };
 
 TEST(SampledValidity, SamplesAreNoFartherApartThanTheResolutionInL1) {
@@ -85,8 +87,8 @@ TEST(SampledValidity, DirectionDoesNotMatter) {
     const VectorXd a = random_vector(rng, 3, 2), b = random_vector(rng, 3, 2);
     make_sampled_validity(forth, {}, 0.05)->edge(a, b);
     make_sampled_validity(back, {}, 0.05)->edge(b, a);
-    const std::multiset<VectorXd, decltype(by_values)> p(forth.asked.begin(), forth.asked.end());
-    const std::multiset<VectorXd, decltype(by_values)> q(back.asked.begin(), back.asked.end());
+    const std::multiset<VectorXd, ByValues> p(forth.asked.begin(), forth.asked.end());
+    const std::multiset<VectorXd, ByValues> q(back.asked.begin(), back.asked.end());
     EXPECT_TRUE(std::ranges::equal(p, q));
   }
 }
