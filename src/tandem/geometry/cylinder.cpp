@@ -153,16 +153,17 @@ void consider_rims(const Segment& edge, const Shape& cylinder, DirectionSearch& 
   const double length = edge.u.norm();
   if (!(length > 0)) return;
   const Vector3d along = edge.u / length, cross = accurate_cross(axis.zhat, along);
-  const double sine = cross.norm(), R = axis.radius;
+  const double sine = cross.norm(), radius = axis.radius;
   const Vector3d m = sine > 0 ? Vector3d(cross / sine) : along.unitOrthogonal();
   Vector3d b = along.cross(m);
   if (b.dot(axis.zhat) < 0) b = -b;
-  const double beta = R * axis.zhat.dot(along), beta2 = beta * beta, c = R * R * sine * sine;
+  const double beta = radius * axis.zhat.dot(along), beta2 = beta * beta,
+               c = radius * radius * sine * sine;
   for (const double s : {1.0, -1.0}) {
     const Vector3d o = edge.c - cylinder.origin() - s * axis.half_length * axis.zhat;
     const double om = std::abs(o.dot(m)), ob = s * o.dot(b), side = o.dot(m) < 0 ? -1.0 : 1.0;
     // Where the zero were if ob vanished; infinite where then there were none.
-    const double room = c * c - R * R * om * om;
+    const double room = c * c - radius * radius * om * om;
     const double level = room > 0 ? std::sqrt(beta2 / room) * om : HUGE_VAL;
     double low = 0, high = level;
     if (ob > 0) {
@@ -171,13 +172,13 @@ void consider_rims(const Segment& edge, const Shape& cylinder, DirectionSearch& 
       if (!(level < HUGE_VAL)) continue;
       low = level;
       const double rho = std::cbrt(c * beta2 / -ob);  // Where the derivative is greatest.
-      high = std::sqrt(std::max(0.0, rho * rho - beta2)) / R;
+      high = std::sqrt(std::max(0.0, rho * rho - beta2)) / radius;
     } else {
       low = level;
     }
     if (!(low <= high && high < HUGE_VAL)) continue;
     const auto derivative = [&](double tau) -> Slope {
-      const double rho = std::sqrt(R * R * tau * tau + beta2);
+      const double rho = std::sqrt(radius * radius * tau * tau + beta2);
       if (!(rho > 0)) return {-om, HUGE_VAL};
       return {-om + ob * tau + c * tau / rho, ob + c * beta2 / (rho * rho * rho)};
     };

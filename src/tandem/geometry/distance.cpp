@@ -19,64 +19,64 @@ namespace {
 /// the direction comes from the features that touch.
 constexpr double kTouching = 1e-8;
 
-constexpr int pair(CoreType first, CoreType second) {
-  return 6 * static_cast<int>(first) + static_cast<int>(second);
-}
-
 /// Nearest core points, and whether a positive distance proves that the cores are disjoint.
 struct Query {
   Nearest nearest;
   bool proven = true;
 };
 
+/// Nearest points of `p` (as A) and any core.
+Nearest nearest_to_point(const Vector3d& p, const Shape& b) {
+  using namespace detail;
+  switch (b.type()) {
+    case CoreType::kPoint:
+      return nearest_point_orthotope<0>(p, b);
+    case CoreType::kSegment:
+      return nearest_point_orthotope<1>(p, b);
+    case CoreType::kTriangle:
+      return nearest_point_triangle(p, Triangle(b));
+    case CoreType::kRectangle:
+      return nearest_point_orthotope<2>(p, b);
+    case CoreType::kBox:
+      return nearest_point_orthotope<3>(p, b);
+    case CoreType::kCylinder:
+      return nearest_point_cylinder(p, b);
+  }
+  return {};
+}
+
+/// Nearest points of a segment (as A) and any core.
+Query query_segment(const Shape& a, const Shape& b) {
+  using namespace detail;
+  const Segment segment{a.origin(), a.extents().col(0)};
+  switch (b.type()) {
+    case CoreType::kPoint:
+      return {nearest_to_point(b.origin(), a).swapped()};
+    case CoreType::kSegment:
+      return {nearest_segment_orthotope<1>(segment, b)};
+    case CoreType::kTriangle:
+      return {nearest_features(a, b), false};
+    case CoreType::kRectangle:
+      return {nearest_segment_orthotope<2>(segment, b)};
+    case CoreType::kBox:
+      return {nearest_segment_orthotope<3>(segment, b)};
+    case CoreType::kCylinder:
+      return {nearest_segment_cylinder(segment, b)};
+  }
+  return {};
+}
+
 Query query(const Shape& a, const Shape& b) {
   using enum CoreType;
-  using namespace detail;
-  const auto segment = [](const Shape& shape) {
-    return Segment{shape.origin(), shape.extents().col(0)};
-  };
-  switch (pair(a.type(), b.type())) {
-    case pair(kPoint, kPoint):
-      return {nearest_point_orthotope<0>(a.origin(), b)};
-    case pair(kPoint, kSegment):
-      return {nearest_point_orthotope<1>(a.origin(), b)};
-    case pair(kPoint, kRectangle):
-      return {nearest_point_orthotope<2>(a.origin(), b)};
-    case pair(kPoint, kBox):
-      return {nearest_point_orthotope<3>(a.origin(), b)};
-    case pair(kSegment, kPoint):
-      return {nearest_point_orthotope<1>(b.origin(), a).swapped()};
-    case pair(kRectangle, kPoint):
-      return {nearest_point_orthotope<2>(b.origin(), a).swapped()};
-    case pair(kBox, kPoint):
-      return {nearest_point_orthotope<3>(b.origin(), a).swapped()};
-    case pair(kSegment, kSegment):
-      return {nearest_segment_orthotope<1>(segment(a), b)};
-    case pair(kSegment, kRectangle):
-      return {nearest_segment_orthotope<2>(segment(a), b)};
-    case pair(kSegment, kBox):
-      return {nearest_segment_orthotope<3>(segment(a), b)};
-    case pair(kRectangle, kSegment):
-      return {nearest_segment_orthotope<2>(segment(b), a).swapped()};
-    case pair(kBox, kSegment):
-      return {nearest_segment_orthotope<3>(segment(b), a).swapped()};
-    case pair(kPoint, kTriangle):
-      return {nearest_point_triangle(a.origin(), Triangle(b))};
-    case pair(kTriangle, kPoint):
-      return {nearest_point_triangle(b.origin(), Triangle(a)).swapped()};
-    default:
-      break;
-  }
-  if (b.type() == kCylinder) {
-    if (a.type() == kPoint) return {nearest_point_cylinder(a.origin(), b)};
-    if (a.type() == kSegment) return {nearest_segment_cylinder(segment(a), b)};
-    return {nearest_with_cylinder(a, b), false};
-  }
-  if (a.type() == kCylinder) {
+  if (a.type() == kPoint) return {nearest_to_point(a.origin(), b)};
+  if (a.type() == kSegment) return query_segment(a, b);
+  if (b.type() == kPoint || b.type() == kSegment) {
     const auto [nearest, proven] = query(b, a);
     return {nearest.swapped(), proven};
   }
-  return {nearest_features(a, b), false};
+  if (b.type() == kCylinder) return {detail::nearest_with_cylinder(a, b), false};
+  if (a.type() == kCylinder) return {detail::nearest_with_cylinder(b, a).swapped(), false};
+  return {detail::nearest_features(a, b), false};
 }
 
 /// Adds the radii to core points that are `gap` apart along `nhat`.
@@ -115,9 +115,8 @@ Clearance clearance(const Shape& a_W, const Shape& b_W) {
     return with_radii(a_W, b_W, nhat_BA_W, depth, nearest.p_WCb);
   }
   // Moved by the depth the cores just touch, and where they do are the witness points.
-  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
-  X.translation() = -depth * nhat_BA_W;
-  const Nearest touch = query(a_W.in(X), b_W).nearest;
+  const Eigen::Isometry3d X_WA(Eigen::Translation3d(-depth * nhat_BA_W));
+  const Nearest touch = query(a_W.in(X_WA), b_W).nearest;
   return with_radii(a_W, b_W, nhat_BA_W, depth, touch.p_WCb + 0.5 * touch.p_BA_W);
 }
 
@@ -131,7 +130,9 @@ double distance(const Shape& a_W, const Shape& b_W) {
 
 double distance_to_point(const Shape& a_W, const Vector3d& p_W) {
   expects(p_W.allFinite(), "distance_to_point: the point must be finite");
-  return distance(*Shape::sphere(p_W, 1), a_W) + 1;
+  const double gap = std::sqrt(nearest_to_point(p_W, a_W).squared);
+  if (gap > kTouching) return gap - a_W.radius();
+  return distance(Shape::sphere(p_W, 1)->padded(-1), a_W);
 }
 
 }  // namespace tandem::geometry

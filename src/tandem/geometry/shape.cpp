@@ -234,7 +234,7 @@ double Shape::bounding_radius() const {
 double Shape::volume() const {
   // Steiner: core volume + surface r + (integral of mean curvature) r^2 + 4/3 pi r^3.
   const Vector3d size = 2 * u_.colwise().norm().transpose();
-  const double r = radius_, R = core_radius_;
+  const double r = radius_, core = core_radius_;
   const double ball = 4.0 / 3.0 * kPi * r * r * r;
   switch (type_) {
     case CoreType::kPoint:
@@ -252,8 +252,8 @@ double Shape::volume() const {
       return size.prod() + surface * r + kPi * size.sum() * r * r + ball;
     }
     case CoreType::kCylinder:
-      return kPi * R * R * size[0] + 2 * kPi * R * (size[0] + R) * r +
-             (kPi * size[0] + kPi * kPi * R) * r * r + ball;
+      return kPi * core * core * size[0] + 2 * kPi * core * (size[0] + core) * r +
+             (kPi * size[0] + kPi * kPi * core) * r * r + ball;
   }
   return ball;
 }
