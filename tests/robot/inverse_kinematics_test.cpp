@@ -102,6 +102,30 @@ TEST(InverseKinematics, SolvesReachablePosesOfKnownArms) {
   }
 }
 
+TEST(InverseKinematics, NeedsOneDescentFromNearbyEvenAtLimits) {
+  TANDEM_SKIP_WITHOUT_DATA("robots");
+  const auto arm = panda();
+  Rng rng(12);
+  int solved = 0;
+  for (int i = 0; i < 500; ++i) {
+    Eigen::VectorXd goal = test::random_positions(arm->model, rng);
+    arm->problem.positions = goal;
+    for (const int k : arm->problem.columns) {
+      const int joint = arm->model.joint_of_position(k);
+      const JointLimits& limits = arm->model.joints()[static_cast<std::size_t>(joint)].limits;
+      if (rng.index(3) == 0) goal[k] = rng.index(2) ? limits.lower : limits.upper;
+      arm->problem.positions[k] =
+          std::clamp(goal[k] + rng.uniform(-0.5, 0.5), limits.lower, limits.upper);
+    }
+    arm->problem.X_WE = arm->tool(goal);
+    const auto q = solve_ik(arm->problem, {.restarts = 0});
+    if (!q) continue;
+    ++solved;
+    expect_solution(*arm, *q);
+  }
+  EXPECT_GE(solved, 490);
+}
+
 TEST(InverseKinematics, StaysAtASeedThatSolvesAndNearOneThatAlmostDoes) {
   TANDEM_SKIP_WITHOUT_DATA("robots");
   const auto arm = panda();

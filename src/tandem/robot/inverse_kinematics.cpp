@@ -18,8 +18,6 @@ namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-/// Step bound per joint [rad or m]: beyond it the Jacobian says nothing about the pose.
-constexpr double kLongestStep = 0.7;
 /// A descent that wins less than this factor in kPatience steps has settled in a local minimum.
 constexpr double kProgress = 0.7;
 constexpr int kPatience = 5;
@@ -198,7 +196,8 @@ void Solver::linearise() {
 /// Damped Newton step of the joints that are free to take it. A joint at its limit that would leave
 /// it is taken out and the others share its part.
 void Solver::make_step() {
-  // Damping by the squared error keeps the order of convergence and tames singular poses far off.
+  // Damping by the squared error keeps the order of convergence, tames singular poses far off, and
+  // bounds the step: its norm is at most error / (2 sqrt(damping)).
   const double damping = 1e-12 + 0.05 * error_W_.squaredNorm();
   for (bool is_settled = false; !is_settled;) {
     Eigen::Matrix<double, 6, 6> A = damping * Eigen::Matrix<double, 6, 6>::Identity();
@@ -215,8 +214,6 @@ void Solver::make_step() {
       is_settled = false;
     }
   }
-  const double longest = step_.cwiseAbs().maxCoeff();
-  if (longest > kLongestStep) step_ *= kLongestStep / longest;
 }
 
 /// Newton from `positions_`; true if it ends inside the tolerances.
