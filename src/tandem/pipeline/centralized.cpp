@@ -59,7 +59,7 @@ Result<Plan> plan_centralized(const collision::SsvChecker& checker, const Resolv
                               PlanReport& report) {
   const world::Workcell& cell = checker.cell();
   const world::PairSelection selection = cell.select(world::PairScope::all());
-  const Modules modules = make_modules(options.preset, checker, selection);
+  const Modules modules = make_modules(options.preset, checker, selection, stop);
   if ((ends.goal - ends.start).cwiseAbs().maxCoeff() < kSamePlace) {
     report.arms.resize(cell.arms().size());
     return Plan{ends.name,      options.strategy,

@@ -20,13 +20,13 @@ double paper_resolution(const world::Workcell& cell) {
 }  // namespace
 
 Modules make_modules(Preset preset, const collision::SsvChecker& checker,
-                     const world::PairSelection& selection) {
+                     const world::PairSelection& selection, const StopCondition& stop) {
   Modules modules;
   modules.planner = planning::make_ompl_rrt_connect();
   modules.simplifier = planning::make_ompl_simplifier();
   switch (preset) {
     case Preset::kDefault:
-      modules.validity = planning::make_certified_validity(checker, selection);
+      modules.validity = planning::make_certified_validity(checker, selection, {}, stop);
       modules.timing = trajectory::make_barrier_optimizer();
       modules.repair = true;
       break;

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "tandem/collision/ssv_checker.h"
+#include "tandem/core/stop.h"
 #include "tandem/pipeline/plan.h"
 #include "tandem/planning/planner.h"
 #include "tandem/trajectory/time_optimizer.h"
@@ -18,9 +19,9 @@ struct Modules {
   bool repair = true;  ///< Whether a curve that touches something is repaired or an error.
 };
 
-/// @param checker  must outlive the modules.
+/// @param checker  must outlive the modules.   @param stop  ends a long proof of an edge, too.
 Modules make_modules(Preset preset, const collision::SsvChecker& checker,
-                     const world::PairSelection& selection);
+                     const world::PairSelection& selection, const StopCondition& stop);
 
 /// Adds the wall time of its scope to a report's entry.
 class ModuleTimer {
