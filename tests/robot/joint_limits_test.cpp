@@ -160,6 +160,9 @@ TEST(JointLimits, RejectMalformedFiles) {
     SCOPED_TRACE(c.what);
     expect_error(overlaid(c.entries), ErrorCode::kInvalidInput, c.parts);
   }
+}
+
+TEST(JointLimits, RejectFilesWithoutLimits) {
   Model model = robot();
   expect_error(parse_joint_limits("", "limits.yaml", model), ErrorCode::kInvalidInput,
                {"limits.yaml", "joint_limits"});

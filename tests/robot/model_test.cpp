@@ -143,13 +143,26 @@ TEST(Model, RejectsTreesThatAreNone) {
       {"'a' is part of a cycle"});
 }
 
-TEST(Model, RejectsJointsThatCannotWork) {
-  struct Case {
-    const char* what;
-    std::function<void(std::vector<Joint>&)> spoil;
-    std::vector<std::string> parts;
-  };
-  const std::vector<Case> cases = {
+struct BadJoint {
+  const char* what;
+  std::function<void(std::vector<Joint>&)> spoil;
+  std::vector<std::string> parts;
+};
+
+void expect_rejected(const std::vector<BadJoint>& cases) {
+  for (const BadJoint& c : cases) {
+    SCOPED_TRACE(c.what);
+    std::vector<Joint> joints = {named_joint("a", kRevolute, 0, 1),
+                                 named_joint("b", kRevolute, 1, 2),
+                                 named_joint("c", kRevolute, 2, 3)};
+    c.spoil(joints);
+    expect_error(Model::make("m", named_links({"l0", "l1", "l2", "l3"}), joints),
+                 ErrorCode::kInvalidInput, c.parts);
+  }
+}
+
+TEST(Model, RejectsAxesFramesAndLimitsThatCannotWork) {
+  expect_rejected({
       {"zero axis", [](auto& j) { j[0].axis_J.setZero(); }, {"joint 'a'", "axis"}},
       {"NaN axis", [](auto& j) { j[0].axis_J.x() = kNan; }, {"joint 'a'", "axis"}},
       {"infinite axis", [](auto& j) { j[0].axis_J.x() = kInf; }, {"joint 'a'", "axis"}},
@@ -165,6 +178,11 @@ TEST(Model, RejectsJointsThatCannotWork) {
        [](auto& j) { j[0].limits.acceleration = kNan; },
        {"joint 'a'", "acceleration"}},
       {"jerk", [](auto& j) { j[0].limits.jerk = -1; }, {"joint 'a'", "jerk limit -1.0"}},
+  });
+}
+
+TEST(Model, RejectsMimicsThatCannotWork) {
+  expect_rejected({
       {"no source", [](auto& j) { j[0].mimic = follow(7); }, {"joint 'a'", "joint index 7"}},
       {"itself", [](auto& j) { j[0].mimic = follow(0); }, {"joint 'a'", "follows itself"}},
       {"ring",
@@ -192,16 +210,7 @@ TEST(Model, RejectsJointsThatCannotWork) {
       {"infinite offset",
        [](auto& j) { j[0].mimic = follow(1, 1, kInf); },
        {"joint 'a'", "offset"}},
-  };
-  for (const Case& c : cases) {
-    SCOPED_TRACE(c.what);
-    std::vector<Joint> joints = {named_joint("a", kRevolute, 0, 1),
-                                 named_joint("b", kRevolute, 1, 2),
-                                 named_joint("c", kRevolute, 2, 3)};
-    c.spoil(joints);
-    expect_error(Model::make("m", named_links({"l0", "l1", "l2", "l3"}), joints),
-                 ErrorCode::kInvalidInput, c.parts);
-  }
+  });
 }
 
 TEST(Model, IgnoresAxisAndLimitsOfFixedJoints) {

@@ -154,14 +154,22 @@ TEST(Srdf, ReadsStatesPairsAndIgnoresTheRest) {
   EXPECT_EQ(semantics->ignored_pairs[0].link_b, "camera");
 }
 
-TEST(Srdf, RejectsMalformedFiles) {
-  struct Case {
-    const char* what;
-    std::string body;
-    std::vector<std::string> parts;
-  };
+struct Malformed {
+  const char* what;
+  std::string body;
+  std::vector<std::string> parts;
+};
+
+void expect_malformed(const std::vector<Malformed>& cases) {
+  for (const Malformed& c : cases) {
+    SCOPED_TRACE(c.what);
+    expect_error(parse(c.body), ErrorCode::kInvalidInput, c.parts);
+  }
+}
+
+TEST(Srdf, RejectsMalformedGroups) {
   const std::string g = "<group name='g'><joint name='j1'/></group>\n";
-  const std::vector<Case> cases = {
+  expect_malformed({
       {"no XML", "<group", {"not well-formed"}},
       {"group nameless", "<group/>", {"arm.srdf:2", "<group>", "name"}},
       {"group twice", g + g, {"arm.srdf:3", "group 'g'", "line 2"}},
@@ -188,6 +196,12 @@ TEST(Srdf, RejectsMalformedFiles) {
        "<group name='g'><group name='h'/></group>\n<group name='h'><group name='g'/></group>",
        {"arm.srdf:3", "contains itself"}},
       {"strange part", "<group name='g'>\n<chian/></group>", {"arm.srdf:3", "<chian>", "chain"}},
+  });
+}
+
+TEST(Srdf, RejectsMalformedStatesAndPairs) {
+  const std::string g = "<group name='g'><joint name='j1'/></group>\n";
+  expect_malformed({
       {"state of no group",
        g + "<group_state name='s' group='h'/>",
        {"arm.srdf:3", "group_state 's'", "no group 'h'"}},
@@ -215,11 +229,10 @@ TEST(Srdf, RejectsMalformedFiles) {
            "<joint name='j1' value='1'/></group_state>",
        {"arm.srdf:4", "already"}},
       {"pair of one", "<disable_collisions link1='l1'/>", {"arm.srdf:2", "link2"}},
-  };
-  for (const Case& c : cases) {
-    SCOPED_TRACE(c.what);
-    expect_error(parse(c.body), ErrorCode::kInvalidInput, c.parts);
-  }
+  });
+}
+
+TEST(Srdf, RejectsOtherFiles) {
   expect_error(parse_srdf("<srdf/>", "arm.srdf", arm()), ErrorCode::kInvalidInput,
                {"arm.srdf", "<robot>", "<srdf>"});
   expect_error(load_srdf("/no/such.srdf", arm()), ErrorCode::kNotFound, {"/no/such.srdf"});
