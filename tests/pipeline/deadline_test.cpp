@@ -20,7 +20,7 @@ class Deadlines : public ::testing::TestWithParam<Preset> {
  protected:
   std::shared_ptr<const world::Workcell> cell_ =
       *io::load_workcell(test::source_path("scenarios/gearbox/workcell.yaml"));
-  ResolvedQuery query_ = *resolve(cell_, cell_->query("pick_gears"));
+  ResolvedQuery query_ = *resolve(cell_, cell_->query("pick_shafts"));
 };
 
 double seconds_since(Clock::time_point begin) {
