@@ -12,3 +12,8 @@ find_package(ompl CONFIG REQUIRED)
 find_package(NLopt CONFIG REQUIRED PATHS /usr/lib/x86_64-linux-gnu/cmake/nlopt_cxx NO_DEFAULT_PATH)
 find_path(TINYXML2_INCLUDE_DIR tinyxml2.h REQUIRED)
 find_library(TINYXML2_LIBRARY tinyxml2 REQUIRED)
+if(TANDEM_BUILD_SERVER)
+  find_package(PkgConfig REQUIRED)
+  # The compiled library: its flags decide how its classes are laid out.
+  pkg_check_modules(HTTPLIB REQUIRED cpp-httplib)
+endif()

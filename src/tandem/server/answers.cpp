@@ -1,0 +1,129 @@
+#include "tandem/server/answers.h"
+
+#include <limits>
+
+#include "tandem/core/names.h"
+#include "tandem/robot/inverse_kinematics.h"
+#include "tandem/server/json.h"
+#include "tandem/server/requests.h"
+#include "tandem/server/scene.h"
+
+namespace tandem::server {
+
+namespace {
+
+/// A person drags: an answer that comes later than this is of no use [s].
+constexpr double kIkDeadline = 0.3;
+constexpr int kIkRestarts = 20;
+
+Answer failure(const Error& error, const Json& touching = Json::array()) {
+  return {200, text_of(error_json(to_string(error.code), error.message, touching))};
+}
+
+/// Pairs that touch at q; those of a query's end say which.
+Json touching_json(const collision::SsvChecker& checker, const world::PairSelection& pairs,
+                   const Eigen::VectorXd& q, const char* end = nullptr) {
+  const auto scratch = checker.make_scratch();
+  std::vector<collision::PairClearance> touching;
+  checker.clearances(q, pairs, std::numeric_limits<double>::min(), *scratch, touching);
+  Json list = Json::array();
+  for (const collision::PairClearance& pair : touching) {
+    list.push_back(clearance_json(checker.cell(), pair));
+    if (end) list.back()["end"] = end;
+  }
+  return list;
+}
+
+}  // namespace
+
+Answer refusal(int status, const std::string& code, const std::string& message) {
+  return {status, text_of(error_json(code, message))};
+}
+
+Answers::Answers(std::shared_ptr<const world::Workcell> cell, PlanWriter plan_json)
+    : cell_(std::move(cell)),
+      checker_(cell_),
+      all_pairs_(cell_->select(world::PairScope::all())),
+      plan_json_(std::move(plan_json)) {}
+
+Answer Answers::query(const std::string& name) {
+  const auto query = cell_->find_query(name);
+  if (!query) return refusal(404, to_string(query.error().code), query.error().message);
+  const std::lock_guard lock(resolving_);
+  auto known = resolved_.find(name);
+  if (known == resolved_.end()) {
+    known = resolved_.emplace(name, pipeline::resolve(cell_, **query)).first;
+  }
+  const Result<pipeline::ResolvedQuery>& ends = known->second;
+  if (!ends) return failure(ends.error());
+  return {200, text_of({{"start", values_json(ends->start)}, {"goal", values_json(ends->goal)}})};
+}
+
+Answer Answers::plan(const std::string& body, std::stop_token token) {
+  const auto request = read_plan_request(body, cell_->dof());
+  if (!request) {
+    return refusal(400, to_string(request.error().code), request.error().message);
+  }
+  const world::Query* query = nullptr;
+  if (request->query) {
+    const auto found = cell_->find_query(*request->query);
+    if (!found) return refusal(404, to_string(found.error().code), found.error().message);
+    query = *found;
+  }
+  if (planning_.test_and_set()) {
+    return refusal(429, "busy", "another plan is being made; ask again when it is done");
+  }
+  const struct Done {
+    std::atomic_flag& planning;
+    ~Done() { planning.clear(); }
+  } done{planning_};
+  pipeline::PlanOptions options = request->options;
+  options.token = std::move(token);
+  const auto ends = query ? pipeline::resolve(cell_, *query, options.seed) : *request->ends;
+  if (!ends) return failure(ends.error());
+  const auto plan = pipeline::plan(cell_, *ends, options);
+  if (!plan) {
+    Json touching = touching_json(checker_, all_pairs_, ends->start, "start");
+    for (const Json& pair : touching_json(checker_, all_pairs_, ends->goal, "goal")) {
+      touching.push_back(pair);
+    }
+    return failure(plan.error(), touching);
+  }
+  const auto text = plan_json_(*plan);
+  if (!text) return failure(text.error());
+  return {200, "{\"plan\":" + *text + ",\"clearance\":" +
+                   describe_clearance(cell_, plan->trajectory, kClearanceRate) + "}"};
+}
+
+Answer Answers::ik(const std::string& body, std::stop_token token) const {
+  const auto request = read_ik_request(body, cell_->dof());
+  if (!request) {
+    return refusal(400, to_string(request.error().code), request.error().message);
+  }
+  const int index = cell_->find_arm(request->arm);
+  if (index < 0) {
+    std::vector<std::string> names;
+    for (const world::Arm& arm : cell_->arms()) names.push_back(arm.name);
+    return refusal(404, to_string(ErrorCode::kNotFound),
+                   "there is no arm '" + request->arm + "'" + name_hint(request->arm, names));
+  }
+  const world::Arm& arm = cell_->arms()[static_cast<std::size_t>(index)];
+  robot::IkProblem problem;
+  problem.model = &cell_->model();
+  problem.link = arm.tip_link;
+  problem.X_LE = arm.X_LE;
+  problem.columns = arm.columns;
+  cell_->positions(request->q, problem.positions);
+  problem.X_WE = request->X_WE;
+  const auto positions = robot::solve_ik(problem, {.restarts = kIkRestarts}, {},
+                                         StopCondition::after(kIkDeadline, std::move(token)));
+  if (!positions) return failure(positions.error());
+  Eigen::VectorXd q = request->q;
+  for (int j = 0; j < arm.dof(); ++j) {
+    q[arm.offset + j] = (*positions)[arm.columns[static_cast<std::size_t>(j)]];
+  }
+  return {200,
+          text_of({{"q", values_json(q)}, {"touching", touching_json(checker_, all_pairs_, q)}})};
+}
+
+}  // namespace tandem::server

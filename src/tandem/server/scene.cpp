@@ -1,0 +1,202 @@
+#include "tandem/server/scene.h"
+
+#include <cmath>
+#include <map>
+
+#include "tandem/core/contract.h"
+#include "tandem/server/json.h"
+
+namespace tandem::server {
+
+namespace {
+
+Json pose_json(const Eigen::Isometry3d& X) {
+  const Eigen::Quaterniond u(X.linear());
+  return {{"xyz", vector_json(X.translation())}, {"quat_wxyz", {u.w(), u.x(), u.y(), u.z()}}};
+}
+
+/// JSON has no infinity: null stands for "none".
+Json limit_json(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json shape_json(const geometry::Shape& shape) {
+  Json extents = Json::array();
+  for (int i = 0; i < 3; ++i) extents.push_back(vector_json(shape.extents().col(i)));
+  return {{"core", geometry::to_string(shape.type())},
+          {"origin", vector_json(shape.origin())},
+          {"extents", extents},
+          {"core_radius", shape.core_radius()},
+          {"radius", shape.radius()}};
+}
+
+const char* to_string(world::Body::Kind kind) {
+  switch (kind) {
+    case world::Body::Kind::kRobotLink:
+      return "robot";
+    case world::Body::Kind::kObstacle:
+      return "obstacle";
+    case world::Body::Kind::kAttached:
+      return "attached";
+  }
+  return "unknown";
+}
+
+/// The value of a joint is multiplier * q[entry] + offset, or the offset where entry is -1.
+struct JointDrive {
+  int entry = -1;
+  double multiplier = 1;
+  double offset = 0;
+};
+
+JointDrive drive_of(const world::Workcell& cell, const robot::Joint& joint,
+                    const Eigen::VectorXd& resting, const std::map<int, int>& entries) {
+  if (joint.type == robot::JointType::kFixed) return {};
+  JointDrive drive;
+  int position = joint.position_index;
+  if (joint.mimic) {
+    position = cell.model().joints()[static_cast<std::size_t>(joint.mimic->joint)].position_index;
+    drive.multiplier = joint.mimic->multiplier;
+    drive.offset = joint.mimic->offset;
+  }
+  if (const auto entry = entries.find(position); entry != entries.end()) {
+    drive.entry = entry->second;
+  } else {
+    drive.offset += drive.multiplier * resting[position];
+  }
+  return drive;
+}
+
+Json links_json(const world::Workcell& cell) {
+  std::map<int, int> entries;  // Position entry to entry of q.
+  for (const world::Arm& arm : cell.arms()) {
+    for (int j = 0; j < arm.dof(); ++j) {
+      entries[arm.columns[static_cast<std::size_t>(j)]] = arm.offset + j;
+    }
+  }
+  Eigen::VectorXd resting;
+  cell.positions(Eigen::VectorXd::Zero(cell.dof()), resting);
+  Json links = Json::array();
+  for (const robot::Link& link : cell.model().links()) {
+    Json entry = {{"name", link.name}};
+    if (link.parent_joint >= 0) {
+      const robot::Joint& joint =
+          cell.model().joints()[static_cast<std::size_t>(link.parent_joint)];
+      const JointDrive drive = drive_of(cell, joint, resting, entries);
+      entry["parent"] = joint.parent_link;
+      entry["joint"] = {{"name", joint.name},
+                        {"type", robot::to_string(joint.type)},
+                        {"pose", pose_json(joint.X_PJ)},
+                        {"axis", vector_json(joint.axis_J)},
+                        {"entry", drive.entry},
+                        {"multiplier", drive.multiplier},
+                        {"offset", drive.offset}};
+    }
+    links.push_back(entry);
+  }
+  return links;
+}
+
+/// Visual geometry by link; meshes by index, each file once.
+Json visuals_json(const world::Workcell& cell, std::vector<std::filesystem::path>& meshes) {
+  std::map<std::string, std::size_t> index;
+  Json visuals = Json::array();
+  for (std::size_t i = 0; i < cell.model().links().size(); ++i) {
+    for (const robot::Geometry& geometry : cell.model().links()[i].visual) {
+      Json visual = {{"link", i}, {"pose", pose_json(geometry.X_LG)}};
+      if (const auto* box = std::get_if<robot::BoxGeometry>(&geometry.shape)) {
+        visual["box"] = vector_json(box->size);
+      } else if (const auto* sphere = std::get_if<robot::SphereGeometry>(&geometry.shape)) {
+        visual["sphere"] = sphere->radius;
+      } else if (const auto* cylinder = std::get_if<robot::CylinderGeometry>(&geometry.shape)) {
+        visual["cylinder"] = {{"radius", cylinder->radius}, {"length", cylinder->length}};
+      } else if (const auto* mesh = std::get_if<robot::MeshGeometry>(&geometry.shape)) {
+        if (mesh->path.empty()) continue;  // Its package was not found: the volumes show the link.
+        const auto [entry, is_new] = index.try_emplace(mesh->path, meshes.size());
+        if (is_new) meshes.emplace_back(mesh->path);
+        visual["mesh"] = {{"index", entry->second},
+                          {"type", std::filesystem::path(mesh->path).extension().string()},
+                          {"scale", vector_json(mesh->scale)}};
+      }
+      visuals.push_back(visual);
+    }
+  }
+  return visuals;
+}
+
+Json bodies_json(const world::Workcell& cell) {
+  Json bodies = Json::array();
+  for (const world::Body& body : cell.bodies()) {
+    Json shapes = Json::array();
+    for (const geometry::Shape& shape : body.shapes_L) shapes.push_back(shape_json(shape));
+    bodies.push_back({{"name", body.name},
+                      {"kind", to_string(body.kind)},
+                      {"link", body.link},
+                      {"padding", body.padding},
+                      {"shapes", shapes}});
+  }
+  return bodies;
+}
+
+Json arms_json(const world::Workcell& cell) {
+  Json arms = Json::array();
+  for (const world::Arm& arm : cell.arms()) {
+    arms.push_back({{"name", arm.name},
+                    {"first", arm.offset},
+                    {"dof", arm.dof()},
+                    {"tip_link", arm.tip_link},
+                    {"tool", pose_json(arm.X_LE)}});
+  }
+  return arms;
+}
+
+Json joints_json(const world::Workcell& cell) {
+  Json joints = Json::array();
+  for (std::size_t j = 0; j < cell.joint_names().size(); ++j) {
+    const robot::JointLimits& limits = cell.limits()[j];
+    joints.push_back({{"name", cell.joint_names()[j]},
+                      {"lower", limit_json(limits.lower)},
+                      {"upper", limit_json(limits.upper)},
+                      {"velocity", limit_json(limits.velocity)},
+                      {"acceleration", limit_json(limits.acceleration)},
+                      {"jerk", limit_json(limits.jerk)}});
+  }
+  return joints;
+}
+
+}  // namespace
+
+Scene describe_scene(const world::Workcell& cell) {
+  Scene scene;
+  Json queries = Json::array();
+  for (const world::Query& query : cell.queries()) queries.push_back(query.name);
+  const Json json = {{"name", cell.name()},         {"links", links_json(cell)},
+                     {"bodies", bodies_json(cell)}, {"visuals", visuals_json(cell, scene.meshes)},
+                     {"arms", arms_json(cell)},     {"joints", joints_json(cell)},
+                     {"queries", queries}};
+  scene.json = text_of(json);
+  return scene;
+}
+
+std::string describe_clearance(const std::shared_ptr<const world::Workcell>& cell,
+                               const motion::Motion& motion, double rate) {
+  expects(rate > 0, "the rate of clearance samples must be positive");
+  constexpr double kMostSteps = 2000;
+  const collision::SsvChecker checker(cell);
+  const auto scratch = checker.make_scratch();
+  const world::PairSelection all = cell->select(world::PairScope::all());
+  Json samples = Json::array();
+  Eigen::VectorXd q(cell->dof());
+  const double steps = std::ceil(std::min(motion.duration() * rate, kMostSteps));
+  const double step = std::max(1 / rate, motion.duration() / kMostSteps);
+  for (double i = 0; i <= steps; ++i) {
+    const double t = std::min(i * step, motion.duration());
+    motion.position(t, q);
+    const collision::PairClearance nearest = checker.least_clearance(q, all, *scratch);
+    if (nearest.pair < 0) break;
+    Json sample = {{"t", t}};
+    sample.update(clearance_json(*cell, nearest));
+    samples.push_back(std::move(sample));
+  }
+  return text_of(samples);
+}
+
+}  // namespace tandem::server

@@ -1,0 +1,31 @@
+#pragma once
+/// What the viewer shows of a cell and of a plan, as JSON. The schema is docs/viewer.md.
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tandem/motion/motion.h"
+#include "tandem/world/workcell.h"
+
+namespace tandem::server {
+
+struct Scene {
+  std::string json;
+  /// Mesh files that `json` names by index; nothing else of the disk is ever served.
+  std::vector<std::filesystem::path> meshes;
+};
+
+/// Links with their joints, bodies with their shapes, visual geometry, arms, limits and queries.
+Scene describe_scene(const world::Workcell& cell);
+
+inline constexpr double kClearanceRate = 50;  ///< [Hz] that the page is given.
+
+/// Least clearance over a motion at `rate` [Hz] and at its end: time, distance, pair, witness
+/// points. By the swept sphere volumes, padding included. Long motions are sampled less often: at
+/// 2001 times at most. `[]` without pairs to check.
+std::string describe_clearance(const std::shared_ptr<const world::Workcell>& cell,
+                               const motion::Motion& motion, double rate);
+
+}  // namespace tandem::server
