@@ -154,6 +154,15 @@ TEST(Srdf, ReadsStatesPairsAndIgnoresTheRest) {
   EXPECT_EQ(semantics->ignored_pairs[0].link_b, "camera");
 }
 
+TEST(Srdf, ChecksPairsThatAreEnabledAgain) {
+  const auto semantics = parse(
+      "<disable_collisions link1='l1' link2='l2'/><disable_collisions link1='l1' link2='tool'/>"
+      "<enable_collisions link1='l2' link2='l1'/>");
+  ASSERT_TRUE(semantics) << semantics.error().message;
+  ASSERT_EQ(semantics->disabled_pairs.size(), 1u);
+  EXPECT_EQ(semantics->disabled_pairs[0].link_b, "tool");
+}
+
 struct Malformed {
   const char* what;
   std::string body;

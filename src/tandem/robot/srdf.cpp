@@ -48,6 +48,12 @@ class SrdfReader {
       const bool known = model_.find_link(pair.link_a) >= 0 && model_.find_link(pair.link_b) >= 0;
       (known ? semantics.disabled_pairs : semantics.ignored_pairs).push_back(std::move(pair));
     }
+    for (const XmlElement& element : robot_.children("enable_collisions")) {
+      const std::string a = element.required("link1"), b = element.required("link2");
+      std::erase_if(semantics.disabled_pairs, [&](const DisabledPair& pair) {
+        return (pair.link_a == a && pair.link_b == b) || (pair.link_a == b && pair.link_b == a);
+      });
+    }
     return semantics;
   }
 
