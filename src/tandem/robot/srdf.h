@@ -42,8 +42,9 @@ struct Semantics {
 };
 
 /// Reads chains, joint lists, link lists and sub-groups (nested, in any order), group states and
-/// disabled pairs; other elements have no effect. In a state, values of joints that are fixed or
-/// follow another are left out.
+/// disabled pairs, less those that `enable_collisions` enables again; other elements have no
+/// effect, so pairs that the file does not name are checked. In a state, values of joints that are
+/// fixed or follow another are left out.
 /// @return kInvalidInput naming file, line, element and value for unknown links, joints or groups,
 /// groups that contain themselves, values that are not numbers.
 Result<Semantics> load_srdf(const std::filesystem::path& file, const Model& model);
