@@ -12,7 +12,9 @@ enum class FclGeometry {
              ///< their shapes; nothing padded.
 };
 
-/// Same answers as SsvChecker on kVolumes, to FCL's tolerance.
+/// Same answers as SsvChecker on kVolumes, to FCL's tolerance: distances of bodies that are apart,
+/// and depths of sweeps whose cores are apart, to 1e-5 m. Where cores overlap, or meshes, the depth
+/// is an estimate; that they overlap is certain. What lies inside a mesh is in collision with it.
 class FclChecker final : public CollisionChecker {
  public:
   /// @return kNotFound or kIo naming the link and file if a mesh cannot be read; kUnsupported if a
@@ -28,9 +30,8 @@ class FclChecker final : public CollisionChecker {
   PairClearance least_clearance(const Eigen::Ref<const Eigen::VectorXd>& q,
                                 const world::PairSelection& selection,
                                 CollisionChecker::Scratch& scratch) const override;
-  void clearances(const Eigen::Ref<const Eigen::VectorXd>& q,
-                  const world::PairSelection& selection, double within,
-                  CollisionChecker::Scratch& scratch,
+  void clearances(const Eigen::Ref<const Eigen::VectorXd>& q, const world::PairSelection& selection,
+                  double within, CollisionChecker::Scratch& scratch,
                   std::vector<PairClearance>& out) const override;
 
  private:

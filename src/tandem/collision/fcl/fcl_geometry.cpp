@@ -1,0 +1,203 @@
+#include "tandem/collision/fcl/fcl_geometry.h"
+
+#include <fcl/geometry/bvh/BVH_model.h>
+#include <fcl/geometry/shape/convex.h>
+#include <fcl/geometry/shape/cylinder.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tandem/collision/fcl/mesh_file.h"
+
+namespace tandem::collision {
+
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using geometry::CoreType;
+using geometry::Shape;
+
+std::shared_ptr<const fcl::CollisionGeometryd> make_surface(const TriangleMesh& mesh) {
+  auto surface = std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>();
+  std::vector<fcl::Triangle> triangles;
+  for (const auto& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+  surface->beginModel();
+  surface->addSubModel(mesh.vertices, triangles);
+  surface->endModel();
+  surface->computeLocalAABB();
+  return surface;
+}
+
+void add_direction(std::vector<Vector3d>& directions, const Vector3d& v) {
+  if (v.norm() > 0) directions.push_back(v.normalized());
+}
+
+/// {c + s0 u0 + s1 u1 + s2 u2, |si| <= 1}; u may be 0 from some column on.
+FclPiece orthotope_piece(const Vector3d& c, const Matrix3d& u) {
+  const Vector3d x = u.col(0), y = u.col(1), z = u.col(2);
+  TriangleMesh mesh;
+  if (y.norm() == 0) {  // A segment or point: FCL wants triangles.
+    mesh = {{c - x, c + x, c + x}, {{0, 1, 2}}};
+  } else if (z.norm() == 0) {
+    mesh = {{c - x - y, c + x - y, c + x + y, c - x + y}, {{0, 1, 2}, {0, 2, 3}}};
+  } else {
+    for (int i = 0; i < 8; ++i) {
+      mesh.vertices.push_back(c + (i & 1 ? x : -x) + (i & 2 ? y : -y) + (i & 4 ? z : -z));
+    }
+    mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                      {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  }
+  FclPiece piece;
+  piece.vertices_G = mesh.vertices;
+  piece.surface = make_surface(mesh);
+  for (const Vector3d& v : {x, y, z}) add_direction(piece.edges_G, v);
+  for (const Vector3d& v : {Vector3d(x.cross(y)), Vector3d(y.cross(z)), Vector3d(z.cross(x))}) {
+    add_direction(piece.normals_G, v);
+  }
+  return piece;
+}
+
+FclPiece triangle_piece(const Vector3d& c, const Vector3d& u, const Vector3d& v) {
+  FclPiece piece;
+  piece.vertices_G = {c, c + u, c + v};
+  piece.surface = make_surface({piece.vertices_G, {{0, 1, 2}}});
+  for (const Vector3d& edge : {u, v, Vector3d(v - u)}) {
+    add_direction(piece.edges_G, edge);
+    add_direction(piece.normals_G, edge.cross(u.cross(v)));  // Sideways, out of the edge.
+  }
+  add_direction(piece.normals_G, u.cross(v));
+  return piece;
+}
+
+void finish_polytope(FclPiece& piece) {
+  // FCL's solver asks a polytope for its vertices only; any face will do.
+  const auto vertices = std::make_shared<std::vector<Vector3d>>(piece.vertices_G);
+  const auto faces = std::make_shared<std::vector<int>>(std::vector{3, 0, 1, 2});
+  piece.solid = std::make_shared<fcl::Convexd>(vertices, 1, faces, false);
+  piece.p_GP = piece.vertices_G.front();
+}
+
+/// Along z. Its surface is a prism around it.
+FclPiece cylinder_piece(double radius, double length) {
+  constexpr std::size_t kSides = 128;
+  FclPiece piece;
+  piece.solid = std::make_shared<fcl::Cylinderd>(radius, length);
+  piece.cylinder_radius = radius;
+  piece.cylinder_half_length = 0.5 * length;
+  piece.normals_G = piece.edges_G = {Vector3d::UnitZ()};
+  TriangleMesh prism;
+  const double outer = radius / std::cos(std::numbers::pi / kSides);
+  for (std::size_t i = 0; i < kSides; ++i) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kSides;
+    for (const double z : {-0.5 * length, 0.5 * length}) {
+      prism.vertices.emplace_back(outer * std::cos(angle), outer * std::sin(angle), z);
+    }
+    const std::size_t low = 2 * i, next = 2 * ((i + 1) % kSides);
+    prism.triangles.push_back({low, next, next + 1});
+    prism.triangles.push_back({low, next + 1, low + 1});
+    if (i < 2) continue;
+    prism.triangles.push_back({0, low, low - 2});
+    prism.triangles.push_back({1, low - 1, low + 1});
+  }
+  piece.surface = make_surface(prism);
+  return piece;
+}
+
+Result<FclPiece> mesh_piece(const robot::MeshGeometry& mesh, const std::string& link,
+                            FclMeshes& meshes) {
+  if (mesh.path.empty()) {
+    return fail(ErrorCode::kNotFound, "link '" + link + "': the package of its mesh '" + mesh.uri +
+                                          "' was not found; name the folder that holds it with "
+                                          "--package-path");
+  }
+  const std::pair key{mesh.path, std::array{mesh.scale.x(), mesh.scale.y(), mesh.scale.z()}};
+  if (const auto known = meshes.find(key); known != meshes.end()) return known->second;
+  const Result<TriangleMesh> read = read_mesh(mesh.path, mesh.scale);
+  if (!read) return fail(read.error().code, "link '" + link + "': " + read.error().message);
+  FclPiece piece;
+  piece.surface = make_surface(*read);
+  piece.p_GP = read->vertices[read->triangles.front()[0]];
+  return meshes.emplace(key, piece).first->second;
+}
+
+/// What URDF calls by the same names.
+struct ToPiece {
+  const std::string& link;
+  FclMeshes& meshes;
+
+  Result<FclPiece> operator()(const robot::BoxGeometry& box) const {
+    FclPiece piece = orthotope_piece(Vector3d::Zero(), (0.5 * box.size).asDiagonal());
+    finish_polytope(piece);
+    return piece;
+  }
+  Result<FclPiece> operator()(const robot::SphereGeometry& sphere) const {
+    FclPiece piece = orthotope_piece(Vector3d::Zero(), Matrix3d::Zero());
+    finish_polytope(piece);
+    piece.radius = sphere.radius;
+    return piece;
+  }
+  Result<FclPiece> operator()(const robot::CylinderGeometry& cylinder) const {
+    return cylinder_piece(cylinder.radius, cylinder.length);
+  }
+  Result<FclPiece> operator()(const robot::MeshGeometry& mesh) const {
+    return mesh_piece(mesh, link, meshes);
+  }
+};
+
+}  // namespace
+
+Vector3d FclPiece::support(const Vector3d& n_G) const {
+  if (vertices_G.empty()) {
+    const double across = n_G.head<2>().norm();
+    const double scale = across > 0 ? cylinder_radius / across : 0.0;
+    return {scale * n_G.x(), scale * n_G.y(),
+            n_G.z() > 0 ? cylinder_half_length : -cylinder_half_length};
+  }
+  const Vector3d* furthest = &vertices_G.front();
+  for (const Vector3d& v : vertices_G) {
+    if (n_G.dot(v) > n_G.dot(*furthest)) furthest = &v;
+  }
+  return *furthest;
+}
+
+FclPiece make_piece(const Shape& shape_L) {
+  const Matrix3d& u = shape_L.extents();
+  FclPiece piece;
+  if (shape_L.type() == CoreType::kCylinder) {
+    piece = cylinder_piece(shape_L.core_radius(), 2 * u.col(0).norm());
+    piece.X_LG.linear() =
+        Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), u.col(0)).toRotationMatrix();
+    piece.X_LG.translation() = shape_L.origin();
+  } else {
+    piece = shape_L.type() == CoreType::kTriangle
+                ? triangle_piece(shape_L.origin(), u.col(0), u.col(1))
+                : orthotope_piece(shape_L.origin(), u);
+    finish_polytope(piece);
+  }
+  piece.radius = shape_L.radius();
+  return piece;
+}
+
+Result<FclPiece> make_piece(const robot::Geometry& geometry, const std::string& link,
+                            FclMeshes& meshes) {
+  Result<FclPiece> piece = std::visit(ToPiece{link, meshes}, geometry.shape);
+  if (piece) piece->X_LG = geometry.X_LG;
+  return piece;
+}
+
+double distance(const FclBox& a, const FclBox& b) {
+  const Vector3d gap = (a.center - b.center).cwiseAbs() - a.half - b.half;
+  const double widest = gap.maxCoeff();
+  return widest > 0 ? gap.cwiseMax(0.0).norm() : widest;
+}
+
+FclBox box_around(const FclPiece& piece, const Isometry3d& X_WG) {
+  const fcl::AABBd& box = piece.surface->aabb_local;
+  return {
+      X_WG * Vector3d(0.5 * (box.min_ + box.max_)),
+      X_WG.linear().cwiseAbs() * (0.5 * (box.max_ - box.min_)) + Vector3d::Constant(piece.radius)};
+}
+
+}  // namespace tandem::collision
