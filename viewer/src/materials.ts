@@ -1,0 +1,86 @@
+/// Materials by role, shared and recoloured when the theme changes.
+
+import { Color, DoubleSide, MeshBasicMaterial, MeshStandardMaterial, type Material } from 'three';
+import { armColor, colors, furnitureColor, mix, type Theme } from './palette';
+
+type Paint = (theme: Theme) => string;
+
+export class Materials {
+  private readonly made = new Map<string, { material: Material & { color: Color }; paint: Paint }>();
+
+  constructor(private theme: Theme) {}
+
+  private get<Kind extends Material & { color: Color }>(key: string, paint: Paint, make: () => Kind): Kind {
+    let entry = this.made.get(key);
+    if (!entry) {
+      entry = { material: make(), paint };
+      entry.material.color.set(paint(this.theme));
+      this.made.set(key, entry);
+    }
+    return entry.material as Kind;
+  }
+
+  setTheme(theme: Theme): void {
+    this.theme = theme;
+    for (const { material, paint } of this.made.values()) material.color.set(paint(theme));
+  }
+
+  /** A robot's own surface; `weight` is how much of its arm's colour it shows. */
+  shell(arm: number, weight: number): MeshStandardMaterial {
+    const paint: Paint = (theme) => {
+      const plain = theme === 'light' ? '#eceff2' : '#d5dae0';
+      return arm < 0 ? plain : mix(plain, armColor(arm, theme), weight);
+    };
+    return this.get(`shell ${arm} ${weight.toFixed(2)}`, paint, () => new MeshStandardMaterial({ roughness: 0.42, metalness: 0.05 }));
+  }
+
+  /** The colour that a mesh file asks for. */
+  painted(hex: string): MeshStandardMaterial {
+    return this.get(`painted ${hex}`, () => hex, () => new MeshStandardMaterial({ roughness: 0.45, metalness: 0.1, side: DoubleSide }));
+  }
+
+  furniture(index: number): MeshStandardMaterial {
+    return this.get(`furniture ${index}`, (theme) => furnitureColor(index, theme), () => new MeshStandardMaterial({
+      roughness: 0.75,
+      polygonOffset: true,
+      polygonOffsetFactor: 1,
+      polygonOffsetUnits: 1,
+    }));
+  }
+
+  attached(): MeshStandardMaterial {
+    return this.get('attached', (theme) => colors.attached[theme], () => new MeshStandardMaterial({ roughness: 0.5 }));
+  }
+
+  /** A translucent skin; a ghost lies behind the solid surface where both coincide. */
+  skin(key: string, arm: number, opacity: number, ghost = false): MeshStandardMaterial {
+    const paint: Paint = (theme) => (arm < 0 ? (theme === 'light' ? '#7c8a99' : '#a9b6c4') : armColor(arm, theme));
+    return this.get(`skin ${key} ${arm}`, paint, () => new MeshStandardMaterial({
+      transparent: true,
+      opacity,
+      roughness: 0.6,
+      depthWrite: false,
+      polygonOffset: ghost,
+      polygonOffsetFactor: 1,
+      polygonOffsetUnits: 4,
+    }));
+  }
+
+  alert(): MeshStandardMaterial {
+    return this.get('alert', (theme) => colors.alert[theme], () => new MeshStandardMaterial({
+      transparent: true,
+      opacity: 0.6,
+      roughness: 0.6,
+      depthWrite: false,
+    }));
+  }
+
+  /** Fills depth only, so that a skin shows its nearest surface and nothing of its inside. */
+  readonly depthOnly = new MeshBasicMaterial({
+    colorWrite: false,
+    transparent: true,
+    polygonOffset: true,
+    polygonOffsetFactor: 1,
+    polygonOffsetUnits: 4,
+  });
+}
