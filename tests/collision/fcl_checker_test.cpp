@@ -10,6 +10,8 @@
 #include "collision/random_cell.h"
 #include "conformance/checker_conformance.h"
 #include "tandem/collision/ssv_checker.h"
+#include "tandem/robot/srdf.h"
+#include "tandem/robot/urdf.h"
 #include "test_data.h"
 
 namespace tandem::collision {
@@ -247,6 +249,84 @@ TEST(FclChecker, WhatIsInsideAMeshIsInCollision) {
   EXPECT_NEAR(urdf_distance(spec, 1.2), -0.5, 1e-6);
   EXPECT_LT(urdf_distance(spec, 1.5), 0);
   EXPECT_GT(urdf_distance(spec, 0.2), 0);
+}
+
+TEST(FclChecker, MeshesInsideMeshesAreInCollision) {
+  const TemporaryFolder folder;
+  const std::string big = folder.write("big.obj", box_obj({1.0, 1.0, 1.0}));
+  const std::string small = folder.write("small.obj", box_obj({0.2, 0.2, 0.2}));
+  const auto mesh = [](const std::string& file) {
+    return robot::Geometry{Eigen::Isometry3d::Identity(),
+                           robot::MeshGeometry{file, file, Vector3d::Ones()}};
+  };
+  for (const bool swapped : {false, true}) {
+    world::WorkcellSpec spec = urdf_slider({mesh(swapped ? big : small)});
+    std::vector<robot::Link> links = spec.robots[0].model.links();
+    links[0].collision = {mesh(swapped ? small : big)};
+    spec.robots[0].model = *robot::Model::make("slider", links, spec.robots[0].model.joints());
+    spec.robots[0].volumes["rail"] = spec.robots[0].volumes["carriage"];
+    spec.obstacles.clear();
+    EXPECT_NEAR(urdf_distance(spec, 0), -0.4, 1e-7);
+    EXPECT_LE(urdf_distance(spec, 0.5), 0);
+    EXPECT_NEAR(urdf_distance(spec, 0.7), 0.1, 1e-7);
+  }
+}
+
+// Real meshes, STL and by package: the answers agree with each other.
+TEST(FclChecker, ChecksTheMeshesOfARealCell) {
+  TANDEM_SKIP_WITHOUT_DATA("robots/dual_ur5e/dual_ur5e.urdf");
+  const robot::PackagePath packages({test::data_path("robots/packages")});
+  auto model = robot::load_urdf(test::data_path("robots/dual_ur5e/dual_ur5e.urdf"), packages);
+  ASSERT_TRUE(model) << model.error().message;
+  for (std::size_t j = 0; j < model->joints().size(); ++j) {
+    robot::JointLimits limits = model->joints()[j].limits;
+    limits.acceleration = 10;
+    if (model->joints()[j].type == robot::JointType::kRevolute) {
+      model->set_limits(static_cast<int>(j), limits);
+    }
+  }
+  world::WorkcellSpec spec;
+  spec.name = "dual_ur5e";
+  world::RobotSpec robot;
+  robot.name = "ur";
+  robot.model = *model;
+  robot.semantics = *robot::load_srdf(test::data_path("robots/dual_ur5e/dual_ur5e.srdf"), *model);
+  for (const robot::Link& link : model->links()) {
+    if (!link.collision.empty())
+      robot.volumes[link.name] = {*Shape::sphere(Vector3d::Zero(), 0.01)};
+  }
+  spec.robots = {robot};
+  for (const char* name : {"left_arm", "right_arm"}) {
+    world::ArmSpec arm;
+    arm.name = arm.group = name;
+    arm.robot = "ur";
+    spec.arms.push_back(arm);
+  }
+  const auto cell = test::make_cell(spec);
+  auto checker = FclChecker::make(cell, FclGeometry::kUrdf);
+  ASSERT_TRUE(checker) << checker.error().message;
+  const auto scratch = (*checker)->make_scratch();
+  const PairSelection all = cell->select(PairScope::all());
+  Rng rng(6);
+  int free = 0;
+  for (int i = 0; i < 40; ++i) {
+    const VectorXd q = test::random_configuration(rng, *cell, 0.5);
+    const PairClearance least = (*checker)->least_clearance(q, all, *scratch);
+    EXPECT_EQ((*checker)->is_free(q, all, *scratch), least.distance > 0);
+    double least_alone = 1e9;
+    for (const int pair : all) {
+      least_alone =
+          std::min(least_alone, (*checker)->least_clearance(q, {pair}, *scratch).distance);
+    }
+    if (least.distance > 0) {
+      EXPECT_NEAR(least.distance, least_alone, 1e-9);
+      EXPECT_NEAR((least.p_WCa - least.p_WCb).norm(), least.distance, 1e-9);
+      ++free;
+    } else {
+      EXPECT_LE(least_alone, 0);
+    }
+  }
+  EXPECT_GT(free, 5);
 }
 
 TEST(FclChecker, NamesWhatItCannotRead) {

@@ -12,9 +12,9 @@ enum class FclGeometry {
              ///< their shapes; nothing padded.
 };
 
-/// Same answers as SsvChecker on kVolumes, to FCL's tolerance: distances of bodies that are apart,
-/// and depths of sweeps whose cores are apart, to 1e-5 m. Where cores overlap, or meshes, the depth
-/// is an estimate; that they overlap is certain. What lies inside a mesh is in collision with it.
+/// Same answers as SsvChecker on kVolumes: distances, and depths of all but cylinders, to 1e-5 m; a
+/// cylinder's depth is never too small. What lies inside a mesh is in collision with it; the depth
+/// in a mesh is an estimate, and against a mesh a cylinder is a prism of 128 sides around it.
 class FclChecker final : public CollisionChecker {
  public:
   /// @return kNotFound or kIo naming the link and file if a mesh cannot be read; kUnsupported if a
