@@ -36,6 +36,9 @@ int main(int argc, char** argv) {
   tandem::app::add_check(app, exit_code);
   tandem::app::add_verify(app, exit_code);
   tandem::app::add_bench(app, exit_code);
+#ifdef TANDEM_WITH_SERVER
+  tandem::app::add_view(app, exit_code);
+#endif
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

@@ -6,8 +6,8 @@
 
 #include "commands.h"
 #include "options.h"
+#include "plan_input.h"
 #include "stop_signals.h"
-#include "tandem/io/plan_file.h"
 #include "tandem/io/table.h"
 
 namespace tandem::app {
@@ -20,42 +20,6 @@ struct VerifyCommand {
   verification::VerifyOptions options;
   bool json = false;
 };
-
-/// What speaks against the plan being one of this cell; empty if nothing does.
-std::string mismatch(const io::PlanFile& plan, const world::Workcell& cell) {
-  const auto joined = [](const std::vector<std::string>& names) {
-    std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-    return text;
-  };
-  std::vector<std::string> arms;
-  for (const world::Arm& arm : cell.arms()) arms.push_back(arm.name);
-  if (plan.arms != arms) {
-    return "the plan is for arms " + joined(plan.arms) + ", the workcell has " + joined(arms);
-  }
-  for (std::size_t i = 0; i < arms.size(); ++i) {
-    const world::Arm& arm = cell.arms()[i];
-    const auto first = cell.joint_names().begin() + arm.offset;
-    const std::vector<std::string> joints(first, first + arm.dof());
-    if (plan.joints[i] != joints) {
-      return "joints of arm " + arm.name + " are " + joined(plan.joints[i]) +
-             " in the plan, in the workcell " + joined(joints);
-    }
-  }
-  return "";
-}
-
-Result<std::shared_ptr<const world::Workcell>> load_cell(const VerifyCommand& command,
-                                                         const io::PlanFile& plan) {
-  CellOptions cell = command.cell;
-  if (cell.file.empty()) cell.file = plan.workcell;
-  if (cell.file.empty()) {
-    return fail(
-        ErrorCode::kInvalidInput,
-        command.plan + " names no workcell (it was built in memory); give it by --workcell");
-  }
-  return cell.load();
-}
 
 std::string table(const verification::VerifyReport& r) {
   const auto number = [](double value) {
@@ -106,7 +70,7 @@ int run(const VerifyCommand& command) {
   const StopSignals signals;
   const auto plan = io::load_plan(command.plan);
   if (!plan) return failed(plan.error());
-  const auto cell = load_cell(command, *plan);
+  const auto cell = load_cell(command.cell, command.plan, *plan);
   if (!cell) return failed(cell.error());
   if (const std::string why = mismatch(*plan, **cell); !why.empty()) {
     std::cerr << "tandem verify: " << command.plan << ": " << why << std::endl;

@@ -1,6 +1,7 @@
 /// Puts the page together.
 
 import { openSource, type PlanAnswer, type Source } from './api';
+import { captureIfAsked } from './capture';
 import { Clock } from './clock';
 import { button, byId, el, icon } from './dom';
 import { bindKeys, showHelp } from './keys';
@@ -321,3 +322,4 @@ ready.catch((error: Error) => {
   document.body.classList.add('failed');
   byId('notice').replaceChildren(el('p', { role: 'alert' }, error.message));
 });
+void captureIfAsked();

@@ -20,16 +20,14 @@ Answer failure(const Error& error, const Json& touching = Json::array()) {
   return {200, text_of(error_json(to_string(error.code), error.message, touching))};
 }
 
-/// Pairs that touch at q; those of a query's end say which.
 Json touching_json(const collision::SsvChecker& checker, const world::PairSelection& pairs,
-                   const Eigen::VectorXd& q, const char* end = nullptr) {
+                   const Eigen::VectorXd& q) {
   const auto scratch = checker.make_scratch();
   std::vector<collision::PairClearance> touching;
   checker.clearances(q, pairs, std::numeric_limits<double>::min(), *scratch, touching);
   Json list = Json::array();
   for (const collision::PairClearance& pair : touching) {
     list.push_back(clearance_json(checker.cell(), pair));
-    if (end) list.back()["end"] = end;
   }
   return list;
 }
@@ -83,10 +81,9 @@ Answer Answers::plan(const std::string& body, std::stop_token token) {
   if (!ends) return failure(ends.error());
   const auto plan = pipeline::plan(cell_, *ends, options);
   if (!plan) {
-    Json touching = touching_json(checker_, all_pairs_, ends->start, "start");
-    for (const Json& pair : touching_json(checker_, all_pairs_, ends->goal, "goal")) {
-      touching.push_back(pair);
-    }
+    // The message speaks of the start first, too.
+    Json touching = touching_json(checker_, all_pairs_, ends->start);
+    if (touching.empty()) touching = touching_json(checker_, all_pairs_, ends->goal);
     return failure(plan.error(), touching);
   }
   const auto text = plan_json_(*plan);

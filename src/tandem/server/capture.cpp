@@ -23,7 +23,7 @@ std::string number(double value) {
 
 std::string hash_of(const CaptureOptions& options) {
   const bool png = options.kind == CaptureOptions::Kind::kPng;
-  return std::string("#capture=") + (png ? "png" : "webm") +
+  return std::string("#paused&capture=") + (png ? "png" : "webm") +
          (png ? "&t=" + number(options.time) : "&fps=" + number(options.fps)) +
          "&width=" + std::to_string(options.width) + "&height=" + std::to_string(options.height);
 }

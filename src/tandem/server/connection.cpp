@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <condition_variable>
 #include <cstring>
+#include <mutex>
 
 namespace tandem::server {
 
@@ -88,8 +90,27 @@ ssize_t Connection::write(const char* ptr, size_t size) {
   return -1;
 }
 
-// Nobody asks who is there: requests are judged by what they say.
-void Connection::get_remote_ip_and_port(std::string& ip, int& port) const { ip = "", port = 0; }
-void Connection::get_local_ip_and_port(std::string& ip, int& port) const { ip = "", port = 0; }
+void Connection::get_remote_ip_and_port(std::string& ip, int& port) const {
+  ip.clear();
+  port = socket_;
+}
+
+void Connection::get_local_ip_and_port(std::string& ip, int& port) const {
+  ip.clear();
+  port = 0;
+}
+
+HangUp::HangUp(int socket, std::stop_token token)
+    : watcher_([socket, token = std::move(token),
+                source = source_](const std::stop_token& done) mutable {
+        std::mutex mutex;
+        std::unique_lock lock(mutex);
+        std::condition_variable_any sleep;  // Ends at once when the answer is done.
+        while (!done.stop_requested()) {
+          sleep.wait_for(lock, done, std::chrono::milliseconds(kSlice_ms), [] { return false; });
+          pollfd entry{socket, POLLRDHUP, 0};
+          if (token.stop_requested() || ::poll(&entry, 1, 0) > 0) source.request_stop();
+        }
+      }) {}
 
 }  // namespace tandem::server

@@ -5,6 +5,8 @@
 
 #include <array>
 #include <functional>
+#include <stop_token>
+#include <thread>
 
 #include "tandem/core/stop.h"
 
@@ -33,6 +35,7 @@ class Connection final : public httplib::Stream {
   bool is_writable() const override { return true; }
   ssize_t read(char* ptr, size_t size) override;
   ssize_t write(const char* ptr, size_t size) override;
+  /// The library hands these on to handlers. The port is the socket, for HangUp.
   void get_remote_ip_and_port(std::string& ip, int& port) const override;
   void get_local_ip_and_port(std::string& ip, int& port) const override;
   int socket() const override { return socket_; }
@@ -51,6 +54,17 @@ class Connection final : public httplib::Stream {
   std::size_t received_ = 0;
   std::array<char, 16384> buffer_;
   std::size_t next_ = 0, end_ = 0;
+};
+
+/// A stop token that also stops when the client goes away: nobody waits for the answer any more.
+class HangUp {
+ public:
+  HangUp(int socket, std::stop_token token);
+  std::stop_token token() const { return source_.get_token(); }
+
+ private:
+  std::stop_source source_;
+  std::jthread watcher_;
 };
 
 }  // namespace tandem::server

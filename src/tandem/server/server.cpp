@@ -251,7 +251,8 @@ class Server::Impl {
                           : refusal(400, "invalid_input", "parameter name is missing"));
     });
     http_.Post("/api/plan", [this](const httplib::Request& request, httplib::Response& response) {
-      reply(response, answers_.plan(request.body, stop_.get_token()));
+      const HangUp client(request.remote_port, stop_.get_token());
+      reply(response, answers_.plan(request.body, client.token()));
     });
     http_.Post("/api/ik", [this](const httplib::Request& request, httplib::Response& response) {
       reply(response, answers_.ik(request.body, stop_.get_token()));
