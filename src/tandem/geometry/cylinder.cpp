@@ -194,7 +194,8 @@ void consider_side(const Segment& edge, const Shape& cylinder, DirectionSearch& 
   const Vector3d u = axis.split(edge.u).across;
   const double uu = u.squaredNorm();
   const double t = uu > 0 ? std::clamp(-r.dot(u) / uu, -1.0, 1.0) : 0.0;
-  search.consider(r + t * u);
+  // Split once more: near the axis, noise along it would be a large part of the little there is.
+  search.consider(axis.split(r + t * u).across);
 }
 
 }  // namespace

@@ -93,12 +93,21 @@ bool is_apart(const Shape& a, const Shape& b, const Query& found, double gap) {
   return found.proven || detail::separation(a, b, found.nearest.p_BA_W / gap) > 0;
 }
 
-/// Best separation of cores that touch or overlap, or nearly, with nearest points `gap` apart.
-Separation touching_separation(const Shape& a, const Shape& b, const Nearest& nearest, double gap) {
-  Separation best = detail::best_separation(a, b, nearest);
-  // Apart after all: of the two bounds the nearest points' is the better, if it is about these.
-  if (best.gap > 0 && gap < kTouching) best.gap = gap;
-  return best;
+/// What is known of cores that touch or overlap, or nearly.
+struct Touch {
+  Separation separation;
+  bool apart;  ///< By a gap that is too small to tell the direction from.
+};
+
+Touch touch(const Shape& a, const Shape& b, const Query& found, double gap) {
+  constexpr double kRounding = 1e-14;  // [-] of the shapes' size: a proven gap below may be none.
+  const double size = (a.origin() - b.origin()).norm() + a.extents().norm() + b.extents().norm() +
+                      a.core_radius() + b.core_radius();
+  Separation best = detail::best_separation(a, b, found.nearest);
+  const bool apart = gap < kTouching && (best.gap > 0 || (found.proven && gap > kRounding * size));
+  // Of two bounds the nearest points' is then the better.
+  if (apart) best.gap = gap;
+  return {best, apart};
 }
 
 }  // namespace
@@ -110,22 +119,20 @@ Clearance clearance(const Shape& a_W, const Shape& b_W) {
   if (is_apart(a_W, b_W, found, gap)) {
     return with_radii(a_W, b_W, nearest.p_BA_W / gap, gap, nearest.p_WCb);
   }
-  const auto [nhat_BA_W, depth] = touching_separation(a_W, b_W, nearest, gap);
-  if (depth > 0 && gap < kTouching) {
-    return with_radii(a_W, b_W, nhat_BA_W, depth, nearest.p_WCb);
-  }
+  const auto [best, apart] = touch(a_W, b_W, found, gap);
+  const auto& [nhat_BA_W, depth] = best;
+  if (apart) return with_radii(a_W, b_W, nhat_BA_W, depth, nearest.p_WCb);
   // Moved by the depth the cores just touch, and where they do are the witness points.
   const Eigen::Isometry3d X_WA(Eigen::Translation3d(-depth * nhat_BA_W));
-  const Nearest touch = query(a_W.in(X_WA), b_W).nearest;
-  return with_radii(a_W, b_W, nhat_BA_W, depth, touch.p_WCb + 0.5 * touch.p_BA_W);
+  const Nearest there = query(a_W.in(X_WA), b_W).nearest;
+  return with_radii(a_W, b_W, nhat_BA_W, depth, there.p_WCb + 0.5 * there.p_BA_W);
 }
 
 double distance(const Shape& a_W, const Shape& b_W) {
   const Query found = query(a_W, b_W);
   const double gap = std::sqrt(found.nearest.squared);
   if (is_apart(a_W, b_W, found, gap)) return gap - a_W.radius() - b_W.radius();
-  const double depth = touching_separation(a_W, b_W, found.nearest, gap).gap;
-  return depth - a_W.radius() - b_W.radius();
+  return touch(a_W, b_W, found, gap).separation.gap - a_W.radius() - b_W.radius();
 }
 
 double distance_to_point(const Shape& a_W, const Vector3d& p_W) {

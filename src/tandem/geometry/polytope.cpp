@@ -142,8 +142,14 @@ Edges::Edges(const Shape& shape) {
 
 bool Triangle::is_over(const Vector3d& p) const {
   if (inverse_nn == 0) return false;
-  return (p - vertices[0]).dot(inward[0]) >= 0 && (p - vertices[1]).dot(inward[1]) >= 0 &&
-         (p - vertices[2]).dot(inward[2]) >= 0;
+  for (int k = 0; k < 3; ++k) {
+    if (!((p - vertices[k]).dot(inward[k]) >= 0)) return false;
+  }
+  // In a sliver the three lines are one but for rounding, and all of it seems inside.
+  const Segment& longest = *std::max_element(edges, edges + 3, [](const auto& e, const auto& f) {
+    return e.u.squaredNorm() < f.u.squaredNorm();
+  });
+  return std::abs((p - longest.c).dot(longest.u)) <= longest.u.squaredNorm();
 }
 
 Nearest nearest_point_triangle(const Vector3d& p, const Triangle& b) {
