@@ -13,11 +13,12 @@ import sys
 import tempfile
 import time
 import unittest
+import urllib.request
 from pathlib import Path
 
 PROGRAM, SOURCE = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
 CELL = SOURCE / "tests/apps/cell/workcell.yaml"
-COMMANDS = ("plan", "check", "verify", "bench")
+COMMANDS = ("plan", "check", "verify", "bench", "view")
 
 
 class Done:
@@ -114,6 +115,13 @@ class Usage(CommandLine):
                 (("bench", CELL, "--cycles", "99999999999"), "--cycles"),
                 (("verify", "p.json", "--rate", "-1"), "'-1' is not a number above 0"),
                 (("verify",), "PLAN is required"),
+                (("view",), ("tandem view: ", "SHOWN is required")),
+                (("view", CELL, "--size", "1280"), "'1280' is no size from 64x64 to 4096x4096"),
+                (("view", CELL, "--size", "10x10"), "'10x10' is no size"),
+                (("view", CELL, "--port", "65536"), "65536"),
+                (("view", CELL, "--time", "1"), "--png"),
+                (("view", CELL, "--png", "a", "--time", "-1"), "--time"),
+                (("view", CELL, "--webm", "a", "--fps", "0"), "'0' is not a number above 0"),
                 (("check", CELL, "extra"), "extra")):
             with self.subTest(arguments):
                 self.refused(2, *arguments, says=says)
@@ -349,6 +357,65 @@ class Bench(CommandLine):
         self.assertIn(b"6/6, 0 failed", shown)
 
 
+class View(CommandLine):
+    def setUp(self):
+        super().setUp()
+        self.ok("plan", CELL, "swing", "-o", "p.json")
+        done = Done("view", "p.json", "--export", "probe.html", folder=self.folder)
+        if done.code == 2 and "built without the viewer's page" in done.err:
+            self.assertIn("tools/setup", done.err)
+            self.skipTest(done.err)
+
+    def test_export_is_one_page_with_the_plan_inside(self):
+        self.assertEqual(self.ok("view", "p.json", "--export", "p.html").out, "written: p.html\n")
+        page = (self.folder / "p.html").read_text()
+        data = json.loads(re.search(r'id="tandem-data" type="application/json">(.*?)</script>', page,
+                                    re.S)[1])
+        self.assertEqual(data["scene"]["name"], "two_small_arms")
+        self.assertEqual(data["plan"], json.loads((self.folder / "p.json").read_text()))
+        self.assertGreater(min(sample["distance"] for sample in data["clearance"]), 0)
+        self.refused(2, "view", "p.json", "--export", "p.html", says=("p.html exists", "--force"))
+        self.ok("view", CELL, "--export", "p.html", "--force")
+        self.assertIn('"plan":null', (self.folder / "p.html").read_text())
+
+    def test_what_cannot_be_shown(self):
+        self.refused(2, "view", "none.yaml", says="none.yaml")
+        self.refused(2, "view", "none.json", says="none.json")
+        self.refused(2, "view", "p.json", "--workcell", "none.yaml", says="none.yaml")
+        self.refused(2, "view", CELL, "--webm", "a.webm", says="needs a motion")
+        self.refused(2, "view", "p.json", "--png", "a.png", "--time", "99", says="past the end")
+        self.refused(2, "view", "p.json", "--png", "a", "--webm", "a", says="two outputs")
+        self.refused(2, "view", "p.json", "--png", "no/a.png", says="create it first")
+        other = json.loads((self.folder / "p.json").read_text())
+        other["arms"][0]["joints"][1] = "left/wrist"
+        (self.folder / "other.json").write_text(json.dumps(other))
+        self.refused(2, "view", "other.json", says=("other.json", "left/wrist"))
+
+    def test_serves_until_it_is_interrupted(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with subprocess.Popen([PROGRAM, "view", "p.json", "--no-open"], cwd=self.folder,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                  text=True) as process:
+                address = process.stdout.readline().strip()
+                self.assertRegex(address, r"^http://127\.0\.0\.1:\d+/$")
+                with urllib.request.urlopen(address + "api/plan", timeout=30) as answer:
+                    self.assertEqual(json.load(answer)["query"], "swing")
+                request = json.dumps({"query": "rise"}).encode()
+                with urllib.request.urlopen(address + "api/plan", request, timeout=60) as answer:
+                    plan = json.load(answer)["plan"]
+                self.assertEqual((plan["query"], plan["workcell"]), ("rise", CELL.name))
+                process.send_signal(number)
+                _, err = process.communicate(timeout=30)
+            self.assertEqual(process.returncode, 0, err)
+
+    def test_a_missing_browser_names_the_package(self):
+        done = subprocess.run([PROGRAM, "view", "p.json", "--png", "p.png"], cwd=self.folder,
+                              env={"TANDEM_CHROMIUM": "/none"}, capture_output=True, text=True,
+                              check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("package chromium", done.stderr)
+
+
 @unittest.skipUnless((SOURCE / "scenarios/gearbox/workcell.yaml").exists(), "no gearbox scenario")
 class Gearbox(CommandLine):
     CELL = SOURCE / "scenarios/gearbox/workcell.yaml"
@@ -367,8 +434,10 @@ class Gearbox(CommandLine):
         (self.folder / "scenarios").symlink_to(SOURCE / "scenarios")
         text = (SOURCE / "README.md").read_text()
         lines = re.findall(r"(?m)^    build/release/bin/tandem (.*)$", text)
-        self.assertEqual([line.split()[0] for line in lines], ["check", "plan", "verify", "bench"])
+        self.assertEqual({line.split()[0] for line in lines}, set(COMMANDS))
         for line in lines:
+            if line.startswith("view") and "--export" not in line:
+                continue  # Serves until it is interrupted, or needs a browser.
             self.ok(*re.sub(r"--cycles \d+", "--cycles 1", line).split())
         self.assertTrue((self.folder / "plan.json").exists())
         self.assertTrue((self.folder / "bench.json").exists())
