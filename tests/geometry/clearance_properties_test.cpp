@@ -57,6 +57,16 @@ TEST(Clearance, RisesAtFullRateAlongTheNormalFromAnyDepth) {
   });
 }
 
+TEST(Clearance, OfCoresThatAllButTouchIsTheirSmallGap) {
+  for_random_pairs(9, 30, [](const Shape& a, const Shape& b, const Clearance& c, Rng& rng) {
+    const double radii = a.radius() + b.radius(), gap = c.distance + radii;
+    if (gap < 1e-6) return;
+    const double small = std::pow(10, rng.uniform(-13, -6));
+    const Shape moved = a.in(translation((small - gap) * c.nhat_BA_W));
+    EXPECT_NEAR(clearance(moved, b).distance + radii, small, tolerance(a, b)) << "gap " << small;
+  });
+}
+
 TEST(Clearance, NoShorterTranslationSeparates) {
   for_random_pairs(2, 6, [](const Shape& a, const Shape& b, const Clearance& c, Rng& rng) {
     if (c.distance >= 0) return;

@@ -30,40 +30,31 @@ Nearest nearest_on_faces(const Shape& a, const Shape& b) {
   return best;
 }
 
-/// Gap of the cores along `nhat` with its point of A - B, and how that turns with `nhat`.
-struct Contact {
-  Contact(const Shape& a, const Shape& b, const Vector3d& nhat)
-      : p_WCb(b.support(nhat)), p_BA_W(a.support(-nhat) - p_WCb), gap(nhat.dot(p_BA_W)) {}
-
-  Vector3d p_WCb, p_BA_W;
-  double gap;
-};
+/// The point of A - B furthest against `direction`.
+Vector3d near_point(const Shape& a, const Shape& b, const Vector3d& direction) {
+  return a.support(-direction) - b.support(direction);
+}
 
 /// Newton's method for the direction along which rims are furthest apart, from a near one.
-/// The gap's gradient on the sphere is p - gap nhat and its Hessian -(gap I + sum k t t'), with t
-/// the tangent of each rim at its point and k how fast that point turns with nhat.
+/// With p the near point, the gap nhat.p has the gradient p - gap nhat on the sphere and the
+/// Hessian -(gap I + sum k t t'), t the tangent of each rim and k how fast its point turns.
 Vector3d polished_direction(const Shape& a, const Shape& b, const Vector3d& start) {
   constexpr int kSteps = 20;
   constexpr double kTurned = 1e-15;  // [rad]
-  Vector3d nhat = start;
-  double best = Contact(a, b, nhat).gap;
+  Vector3d nhat = start, p = near_point(a, b, nhat);
   for (int i = 0; i < kSteps; ++i) {
-    const Contact contact(a, b, nhat);
-    Matrix3d hessian = contact.gap * Matrix3d::Identity();
+    const double gap = nhat.dot(p);
+    Matrix3d hessian = gap * Matrix3d::Identity();
     for (const Shape* shape : {&a, &b}) {
       const Vector3d t = shape->extents().col(0).cross(nhat);
-      const double tt = t.squaredNorm();
-      if (!(tt > 0)) return nhat;
-      const double sine = std::sqrt(tt * shape->inverse_squares()[0]);
+      const double tt = t.squaredNorm(), sine = std::sqrt(tt * shape->inverse_squares()[0]);
       hessian += (shape->core_radius() / (sine * tt)) * t * t.transpose();
     }
-    const Vector3d turn = hessian.inverse() * (contact.p_BA_W - contact.gap * nhat);
-    if (!turn.allFinite()) break;
-    const Vector3d next = (nhat + turn).normalized();
-    const double gap = Contact(a, b, next).gap;
-    if (!(gap >= best)) break;
-    best = gap;
+    const Vector3d turn = hessian.inverse() * (p - gap * nhat);
+    const Vector3d next = (nhat + turn).normalized(), next_p = near_point(a, b, next);
+    if (!(next.dot(next_p) >= gap)) break;  // Also where nhat is along an axis, which has no rim.
     nhat = next;
+    p = next_p;
     if (turn.squaredNorm() < kTurned * kTurned) break;
   }
   return nhat;
@@ -72,20 +63,13 @@ Vector3d polished_direction(const Shape& a, const Shape& b, const Vector3d& star
 }  // namespace
 
 Nearest nearest_cylinders(const Shape& a, const Shape& b) {
-  constexpr double kSure = 1e-12;      // [m] Between upper and lower bound of a closed form.
-  constexpr double kTouching = 1e-20;  // [m^2] No direction is left.
+  constexpr double kSure = 1e-12;  // [m] Between the upper and lower bound of a closed form.
   Nearest best = nearest_on_faces(a, b);
   keep_nearer(best, nearest_on_faces(b, a).swapped());
-  const auto lower_bound = [&](const Nearest& nearest) {
-    return nearest.p_BA_W.dot(Contact(a, b, nearest.p_BA_W).p_BA_W) / std::sqrt(nearest.squared);
-  };
-  if (best.squared < kTouching || std::sqrt(best.squared) - lower_bound(best) < kSure) return best;
-  keep_nearer(best, nearest_by_support(a, b));
-  if (best.squared < kTouching) return best;
-  const Vector3d nhat = polished_direction(a, b, best.p_BA_W.normalized());
-  const Contact contact(a, b, nhat);
-  if (contact.gap > 0)
-    keep_nearer(best, {contact.p_WCb, contact.p_BA_W, contact.p_BA_W.squaredNorm()});
+  if (is_touch(best)) return best;
+  const double upper = std::sqrt(best.squared);
+  const double lower = best.p_BA_W.dot(near_point(a, b, best.p_BA_W)) / upper;
+  if (upper - lower > kSure) keep_nearer(best, nearest_by_support(a, b));
   return best;
 }
 

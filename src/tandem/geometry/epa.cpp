@@ -134,7 +134,7 @@ bool Polytope::expand_nearest(const Vector3d& w) {
 
 Separation expand_polytope(const Shape& a, const Shape& b, const Separation& guess) {
   constexpr int kSteps = 1000;
-  constexpr double kTolerance = 1e-9;  // [m]
+  constexpr double kTolerance = 1e-8;  // [m]
   const Shape& cylinder = a.type() == CoreType::kCylinder ? a : b;
   const Vector3d z = cylinder.extents().col(0);
   const Vector3d x = cylinder.core_radius() * z.unitOrthogonal();
