@@ -9,6 +9,8 @@ import { matrixPose, outsideLimits } from './model';
 import type { CellView } from './scene';
 import type { PoseData, Touching } from './types';
 
+const kListed = 6;  // Pairs that are named.
+
 export interface LiveHooks {
   /** What is shown now, to start from. */
   configuration(): number[];
@@ -200,10 +202,13 @@ export class LivePanel {
 
   private report(message: string, touching: Touching[], q: number[] | null): void {
     const outside = q ? outsideLimits(this.view.scene.joints, q) : [];
+    const deepestFirst = [...touching].sort((a, b) => a.distance - b.distance);
     const lines = [
-      ...touching.map(({ pair, distance }) => `${pair}: ${formatLength(Math.abs(distance))} ${distance < 0 ? 'deep' : 'apart'}`),
       ...outside,
+      ...deepestFirst.map(({ pair, distance }) => `${pair}: ${formatLength(Math.abs(distance))} ${distance < 0 ? 'deep' : 'apart'}`),
     ];
+    const more = lines.splice(kListed).length;
+    if (more) lines.push(`and ${more} more`);
     this.result.className = 'result bad';
     this.result.replaceChildren(el('p', {}, message), ...(lines.length ? [el('ul', {}, ...lines.map((line) => el('li', {}, line)))] : []));
     this.view.setTouching(touching, q);

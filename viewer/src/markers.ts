@@ -13,7 +13,10 @@ import {
   Sprite,
   SpriteMaterial,
   SRGBColorSpace,
+  Vector2,
   Vector3,
+  type Camera,
+  type WebGLRenderer,
 } from 'three';
 import { Line2 } from 'three/examples/jsm/lines/Line2.js';
 import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
@@ -22,14 +25,39 @@ import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js
 import { colors, type Theme } from './palette';
 import type { Vec3 } from './types';
 
-/** Text of constant size on the screen, over everything. */
-export class Label extends Sprite {
+/** Scale of an unattenuated sprite that makes it one pixel high. */
+function unitsPerPixel(renderer: WebGLRenderer, camera: Camera): number {
+  const height = renderer.getSize(new Vector2()).y;
+  return 2 / (camera.projectionMatrix.elements[5] * height);
+}
+
+/** Pixels that a mark takes: a little more in large pictures. */
+function scaled(pixels: number, renderer: WebGLRenderer): number {
+  const height = renderer.getSize(new Vector2()).y;
+  return pixels * Math.min(Math.max(height / 520, 0.8), 1.8);
+}
+
+/** A sprite that is `pixels` high on every screen. */
+class Mark extends Sprite {
+  constructor(material: SpriteMaterial, private readonly pixels: number, private readonly aspect: number) {
+    super(material);
+  }
+
+  override onBeforeRender = (renderer: WebGLRenderer, _: unknown, camera: Camera): void => {
+    const height = scaled(this.pixels, renderer) * unitsPerPixel(renderer, camera);
+    this.matrixWorld.elements[0] = height * this.aspect;
+    this.matrixWorld.elements[5] = height;
+  };
+}
+
+/** Text over everything. */
+export class Label extends Mark {
   private readonly canvas = document.createElement('canvas');
   private readonly texture: CanvasTexture;
   private text = '';
 
   constructor() {
-    super(new SpriteMaterial({ depthTest: false, depthWrite: false, sizeAttenuation: false, toneMapped: false }));
+    super(new SpriteMaterial({ depthTest: false, depthWrite: false, sizeAttenuation: false, toneMapped: false }), 52, 4);
     this.canvas.width = 512;
     this.canvas.height = 128;
     this.texture = new CanvasTexture(this.canvas);
@@ -37,7 +65,6 @@ export class Label extends Sprite {
     this.texture.generateMipmaps = false;
     this.material.map = this.texture;
     this.renderOrder = 100;
-    this.scale.set(0.24, 0.06, 1);
     this.center.set(0.5, -0.35);
   }
 
@@ -90,14 +117,14 @@ export class Measure extends Group {
     this.line.frustumCulled = false;
     const ring = ringTexture();
     this.ends = [0, 1].map(() => {
-      const sprite = new Sprite(new SpriteMaterial({ map: ring, depthTest: false, sizeAttenuation: false, toneMapped: false }));
-      sprite.scale.set(0.02, 0.02, 1);
+      const sprite = new Mark(new SpriteMaterial({ map: ring, depthTest: false, sizeAttenuation: false, toneMapped: false }), 17, 1);
       sprite.renderOrder = 99;
       return sprite;
     });
     this.add(this.line, ...this.ends, this.label);
   }
 
+  /** Without lines there is no label. */
   set(a: Vec3, b: Vec3, lines: string[], color: string, theme: Theme): void {
     this.line.geometry.setPositions([...a, ...b]);
     this.line.material.color.set(color);
@@ -106,7 +133,8 @@ export class Measure extends Group {
       end.material.color.set(color);
     });
     this.label.position.fromArray(a).lerp(new Vector3(...b), 0.5);
-    this.label.set(lines, color, theme);
+    this.label.visible = lines.length > 0;
+    if (lines.length) this.label.set(lines, color, theme);
   }
 }
 

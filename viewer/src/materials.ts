@@ -1,6 +1,6 @@
 /// Materials by role, shared and recoloured when the theme changes.
 
-import { Color, DoubleSide, MeshBasicMaterial, MeshStandardMaterial, type Material } from 'three';
+import { Color, DoubleSide, MeshBasicMaterial, MeshLambertMaterial, MeshStandardMaterial, type Material } from 'three';
 import { armColor, colors, furnitureColor, mix, type Theme } from './palette';
 
 type Paint = (theme: Theme) => string;
@@ -53,24 +53,23 @@ export class Materials {
   }
 
   /** A translucent skin; a ghost lies behind the solid surface where both coincide. */
-  skin(key: string, arm: number, opacity: number, ghost = false): MeshStandardMaterial {
+  skin(key: string, arm: number, opacity: number, ghost = false): MeshLambertMaterial {
     const paint: Paint = (theme) => (arm < 0 ? (theme === 'light' ? '#7c8a99' : '#a9b6c4') : armColor(arm, theme));
-    return this.get(`skin ${key} ${arm}`, paint, () => new MeshStandardMaterial({
+    return this.get(`skin ${key} ${arm}`, paint, () => new MeshLambertMaterial({
       transparent: true,
       opacity,
-      roughness: 0.6,
       depthWrite: false,
       polygonOffset: ghost,
-      polygonOffsetFactor: 1,
-      polygonOffsetUnits: 4,
+      polygonOffsetFactor: 2,
+      polygonOffsetUnits: 24,
     }));
   }
 
-  alert(): MeshStandardMaterial {
-    return this.get('alert', (theme) => colors.alert[theme], () => new MeshStandardMaterial({
+  /** What touches; furniture is large, so it is marked less. */
+  alert(faint: boolean): MeshLambertMaterial {
+    return this.get(`alert ${faint}`, (theme) => colors.alert[theme], () => new MeshLambertMaterial({
       transparent: true,
-      opacity: 0.6,
-      roughness: 0.6,
+      opacity: faint ? 0.28 : 0.62,
       depthWrite: false,
     }));
   }
@@ -80,7 +79,7 @@ export class Materials {
     colorWrite: false,
     transparent: true,
     polygonOffset: true,
-    polygonOffsetFactor: 1,
-    polygonOffsetUnits: 4,
+    polygonOffsetFactor: 2,
+    polygonOffsetUnits: 24,
   });
 }

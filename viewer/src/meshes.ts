@@ -103,6 +103,6 @@ function slice(source: BufferGeometry, start: number, count: number): BufferGeom
 
 export function merge(list: BufferGeometry[]): BufferGeometry {
   if (list.length === 1) return list[0];
-  const alike = list.map((geometry) => (geometry.index ? geometry.toNonIndexed() : geometry));
-  return mergeGeometries(alike);
+  if (list.every((geometry) => geometry.index)) return mergeGeometries(list);
+  return mergeGeometries(list.map((geometry) => (geometry.index ? geometry.toNonIndexed() : geometry)));
 }

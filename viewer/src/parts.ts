@@ -11,7 +11,7 @@ export class Parts {
   private readonly volumes = new Map<string, BufferGeometry>();
 
   constructor(readonly scene: SceneData) {
-    this.pieces = scene.visuals.map((visual) => primitive(visual));
+    this.pieces = scene.visuals.map((visual) => primitive(visual, scene.visuals));
   }
 
   /** Loads mesh files one after another; `ready` is called per link that changed. */
@@ -82,12 +82,29 @@ function mergeByColor(pieces: Piece[]): Piece[] {
   }));
 }
 
+/** Whether a sphere of the same link closes the end of a cylinder: its flat end would only flicker in it. */
+function isCapped({ link, pose, cylinder }: VisualData, side: number, all: VisualData[]): boolean {
+  if (!cylinder) return false;
+  const end = new Vector3(0, 0, (side * cylinder.length) / 2).applyMatrix4(poseMatrix(pose));
+  return all.some((other) =>
+    other.link === link &&
+    Math.abs((other.sphere ?? -1) - cylinder.radius) < 1e-5 &&
+    end.distanceTo(new Vector3(...other.pose.xyz)) < 1e-4,
+  );
+}
+
 /** Null for a mesh that has not been loaded. */
-function primitive(visual: VisualData): Piece[] | null {
+function primitive(visual: VisualData, all: VisualData[]): Piece[] | null {
   let geometry: BufferGeometry;
-  if (visual.box) geometry = primitives.box(visual.box);
-  else if (visual.sphere !== undefined) geometry = primitives.sphere(visual.sphere);
-  else if (visual.cylinder) geometry = primitives.cylinder(visual.cylinder.radius, visual.cylinder.length);
-  else return visual.mesh ? null : [];
+  if (visual.box) {
+    geometry = primitives.box(visual.box);
+  } else if (visual.sphere !== undefined) {
+    geometry = primitives.sphere(visual.sphere);
+  } else if (visual.cylinder) {
+    const { radius, length } = visual.cylinder;
+    geometry = primitives.cylinder(radius, length, !isCapped(visual, 1, all), !isCapped(visual, -1, all));
+  } else {
+    return visual.mesh ? null : [];
+  }
   return [{ geometry: geometry.applyMatrix4(poseMatrix(visual.pose)), color: null }];
 }

@@ -19,6 +19,7 @@ export type Toggle =
 
 export type View = 'home' | 'top' | 'front' | 'side';
 
+const kLabels = 2;  // More of them hide each other.
 const kDefaults: Toggle[] = ['visual', 'obstacles', 'motion', 'clearance', 'goal'];
 
 export class CellView {
@@ -103,6 +104,7 @@ export class CellView {
       mark.matrixWorldNeedsUpdate = true;
     });
     this.traces.setTime(t);
+    this.stage.moved();
     this.mark();
   }
 
@@ -128,19 +130,21 @@ export class CellView {
   setTouching(touching: Touching[], q: number[] | null): void {
     this.touching.clear();
     this.figures.alert.empty();
-    for (const pair of touching) {
+    const deepestFirst = [...touching].sort((a, b) => a.distance - b.distance);
+    deepestFirst.forEach((pair, i) => {
       const mark = new Measure();
       const depth = pair.distance < 0 ? `${formatLength(-pair.distance)} deep` : formatLength(pair.distance);
-      mark.set(pair.a, pair.b, [depth, pair.pair], colors.alert[this.theme], this.theme);
+      mark.set(pair.a, pair.b, i < kLabels ? [depth, pair.pair] : [], colors.alert[this.theme], this.theme);
       this.touching.add(mark);
-    }
+    });
+    this.mark();
     const names = new Set(touching.flatMap((pair) => this.bodiesOfPair(pair.pair)));
     const links = new Map<number, BodyData[]>();
     for (const body of this.scene.bodies) {
       if (names.has(body.name)) links.set(body.link, [...(links.get(body.link) ?? []), body]);
     }
     for (const [link, bodies] of links) {
-      const meshes = bodies.flatMap((body) => skin(this.parts.volume(body), this.materials.alert(), this.materials.depthOnly, 50));
+      const meshes = bodies.flatMap((body) => skin(this.parts.volume(body), this.materials.alert(body.kind === 'obstacle'), this.materials.depthOnly, 50));
       this.figures.alert.setLink(link, meshes);
     }
     if (q) this.kinematics.linkPoses(q, this.X_other);
@@ -166,16 +170,9 @@ export class CellView {
   // ---- the camera
 
   frame(view: View = 'home'): void {
-    const robots = this.robotPoints();
-    const box = new Box3().setFromPoints(robots);
+    const points = this.robotPoints();
+    const box = new Box3().setFromPoints(points);
     const radius = box.getSize(new Vector3()).length() / 2;
-    const around = box.clone().expandByScalar(0.1);
-    const points = [...robots];
-    for (const body of this.scene.bodies) {
-      if (body.kind !== 'obstacle' || isGround(this.bodyBox(body))) continue;
-      const part = this.bodyBox(body).intersect(around);
-      if (!part.isEmpty()) points.push(...corners(part));
-    }
     const center = box.getCenter(new Vector3());
     this.stage.light(center, 2 * radius);
     this.stage.frame(points, this.direction(view));
@@ -219,10 +216,6 @@ export class CellView {
     return points;
   }
 
-  private bodyBox(body: BodyData): Box3 {
-    return geometryBox(this.parts.volume(body)).applyMatrix4(this.X_WL[body.link]);
-  }
-
   // ---- building
 
   /** Called again when a mesh of the link has arrived. */
@@ -244,6 +237,7 @@ export class CellView {
       const material = this.materials.skin(end, arm, end === 'goal' ? 0.34 : 0.2, true);
       this.figures[end].setLink(link, surfaces.flatMap((g) => skin(g, material, this.materials.depthOnly, order[end])));
     }
+    this.stage.moved();
     this.buildVolumes(link);
     const padded = this.scene.bodies.filter((body) => body.link === link && body.padding > 0 && body.kind !== 'obstacle');
     this.figures.padding.setLink(link, padded.flatMap((body) => this.paddedSkin(body)));
@@ -311,6 +305,7 @@ export class CellView {
     figures.goal.visible = on.has('goal') && this.hasEnds;
     figures.start.visible = on.has('start') && this.hasEnds;
     this.obstacles.visible = on.has('obstacles');
+    this.stage.moved();
     this.frames.visible = on.has('frames');
     this.traces.show('motion', on.has('motion'));
     for (const toggle of this.phaseToggles) this.traces.show(toggle.slice('phase:'.length), on.has(toggle));
@@ -322,7 +317,7 @@ export class CellView {
 
   /** The line of least clearance at the current time. */
   private mark(): void {
-    const sample = this.on.has('clearance') ? clearanceAt(this.clearance, this.time) : null;
+    const sample = this.on.has('clearance') && this.touching.children.length === 0 ? clearanceAt(this.clearance, this.time) : null;
     this.measure.visible = sample !== null;
     if (!sample) return;
     const color = sample.distance > 0 ? colors.clearance[this.theme] : colors.alert[this.theme];

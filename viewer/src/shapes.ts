@@ -90,11 +90,11 @@ function roundedPrism(polygon: [number, number][], h: number, radius: number, st
   return surface.finish();
 }
 
-/** A cylinder about z with |z| <= h, swept by a sphere. */
-function roundedCylinder(coreRadius: number, h: number, radius: number, steps: number) {
+/** A cylinder about z with |z| <= h, swept by a sphere. Ends that another shape covers can be left out. */
+function roundedCylinder(coreRadius: number, h: number, radius: number, steps: number, top = true, bottom = true) {
   const profile: { rho: number; z: number; latitude: number }[] = [];
   const quarter = radius > 0 ? Math.max(2, Math.round(steps / 8)) : 1;
-  profile.push({ rho: 0, z: h + radius, latitude: Math.PI / 2 });
+  if (top) profile.push({ rho: 0, z: h + radius, latitude: Math.PI / 2 });
   for (const side of [1, -1]) {
     for (let k = 0; k <= quarter; ++k) {
       const latitude = ((side > 0 ? 1 : 0) - k / quarter) * (Math.PI / 2);
@@ -102,7 +102,7 @@ function roundedCylinder(coreRadius: number, h: number, radius: number, steps: n
       profile.push({ rho, z: side * h + radius * Math.sin(latitude), latitude });
     }
   }
-  profile.push({ rho: 0, z: -h - radius, latitude: -Math.PI / 2 });
+  if (bottom) profile.push({ rho: 0, z: -h - radius, latitude: -Math.PI / 2 });
   const surface = new Surface();
   const rows = profile.map(({ rho, z, latitude }) =>
     Array.from({ length: steps + 1 }, (_, j) => {
@@ -130,7 +130,7 @@ function frame(origin: Vector3, x: Vector3, y: Vector3): Matrix4 {
 
 /** Fewer facets where nobody sees them. */
 function stepsFor(radius: number): number {
-  return radius > 0.03 ? 40 : radius > 0.01 ? 24 : 16;
+  return radius > 0.03 ? 32 : radius > 0.01 ? 24 : 16;
 }
 
 /** Surface of a shape in the frame it is given in, inflated by `padding` [m]. */
@@ -183,6 +183,6 @@ function triangle(origin: Vector3, u0: Vector3, u1: Vector3, radius: number, ste
 export const primitives = {
   box: ([x, y, z]: number[]): BufferGeometry => roundedPrism(rectangle(x / 2, y / 2), z / 2, 0, 4),
   sphere: (radius: number): BufferGeometry => roundedPrism([[0, 0]], 0, radius, stepsFor(radius)),
-  cylinder: (radius: number, length: number): BufferGeometry =>
-    roundedCylinder(radius, length / 2, 0, stepsFor(radius)),
+  cylinder: (radius: number, length: number, top = true, bottom = true): BufferGeometry =>
+    roundedCylinder(radius, length / 2, 0, stepsFor(radius), top, bottom),
 };

@@ -33,11 +33,10 @@ export class Stage {
   private readonly shade: Mesh<PlaneGeometry, ShadowMaterial>;
 
   constructor(readonly canvas: HTMLCanvasElement, changed: () => void) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.renderer = makeRenderer(canvas);
     this.renderer.toneMapping = NeutralToneMapping;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
-    this.renderer.info.autoReset = true;
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(3, -2, 2);
     this.orbit = new OrbitControls(this.camera, canvas);
@@ -57,6 +56,7 @@ export class Stage {
 
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(2048, 2048);
+    this.sun.shadow.autoUpdate = false;  // Turning the camera moves no shadow.
     this.sun.shadow.radius = 3;
     this.sun.shadow.bias = -0.0004;
     this.sun.shadow.normalBias = 0.01;
@@ -95,7 +95,7 @@ export class Stage {
     const back = direction.clone().normalize();
     const right = this.camera.up.clone().cross(back).normalize();
     const up = back.clone().cross(right);
-    const tan = Math.tan((this.camera.fov * Math.PI) / 360) * 0.92;
+    const tan = Math.tan((this.camera.fov * Math.PI) / 360) * 0.88;
     const tans = [tan * this.camera.aspect, tan];
     const target = points.reduce((sum, p) => sum.add(p), new Vector3()).divideScalar(points.length);
     let distance = 1;
@@ -126,10 +126,16 @@ export class Stage {
     [box.left, box.right, box.bottom, box.top] = [-radius, radius, -radius, radius];
     [box.near, box.far] = [radius, 8 * radius];
     box.updateProjectionMatrix();
+    this.moved();
   }
 
   render(): void {
     this.renderer.render(this.scene, this.camera);
+  }
+
+  /** To be called when something has moved, appeared or gone. */
+  moved(): void {
+    this.sun.shadow.needsUpdate = true;
   }
 
   /** Draws at another size, hands the canvas to `use`, and goes back. */
@@ -149,6 +155,14 @@ export class Stage {
       this.camera.aspect = aspect;
       this.camera.updateProjectionMatrix();
     }
+  }
+}
+
+function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer {
+  try {
+    return new WebGLRenderer({ canvas, antialias: true });
+  } catch {
+    throw new Error('This browser does not draw in three dimensions: WebGL 2 is switched off or missing.');
   }
 }
 

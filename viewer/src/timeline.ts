@@ -23,8 +23,9 @@ export class Timeline {
     this.loopButton = button('Loop', icon('loop'), () => clock.setLoop(!clock.loop), 'l');
     this.slider = el('input', { type: 'range', min: 0, max: kTicks, value: 0, step: 1, 'aria-label': 'Time of the motion' });
     this.slider.addEventListener('input', () => {
+      const t = (this.slider.valueAsNumber / kTicks) * clock.duration;
       clock.pause();
-      clock.setTime((this.slider.valueAsNumber / kTicks) * clock.duration);
+      clock.setTime(t);
     });
     const speeds = kSpeeds.map((s): [string, string] => [String(s), `${s}×`]);
     this.speed = select('Speed', speeds, '1', (value) => clock.setSpeed(Number(value)));
