@@ -16,8 +16,8 @@ struct Nearest {
   Eigen::Vector3d p_BA_W = Eigen::Vector3d::Zero();     ///< From there to the point of A.
   double squared = std::numeric_limits<double>::max();  ///< [m^2] of p_BA_W.
 
-  Eigen::Vector3d p_WCa() const { return p_WCb + p_BA_W; }
-  Nearest swapped() const { return {p_WCa(), -p_BA_W, squared}; }
+  Eigen::Vector3d point_of_a() const { return p_WCb + p_BA_W; }
+  Nearest swapped() const { return {point_of_a(), -p_BA_W, squared}; }
 };
 
 /// Of two pairs the nearer one.
