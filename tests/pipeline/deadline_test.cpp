@@ -35,7 +35,7 @@ TEST_P(Deadlines, AreHonouredInEveryStage) {
     PlanOptions options;
     options.preset = GetParam();
     options.seed = static_cast<std::uint64_t>(k);
-    options.deadline = 0.001 * std::pow(1.12, k);  // 1 ms to 83 ms
+    options.deadline = 0.001 * std::pow(1.16, k);  // 1 ms to 0.33 s
     const auto begin = Clock::now();
     const auto planned = plan(cell_, query_, options);
     worst = std::max(worst, seconds_since(begin) - options.deadline);
