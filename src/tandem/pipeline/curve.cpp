@@ -14,8 +14,9 @@ using motion::JointPath;
 using motion::PiecewiseCubic;
 
 constexpr int kRepairRounds = 16;
-/// Edges were certified down to 1e-5; a finer floor here cannot refuse what they accepted. Proving
-/// half of the true least clearance costs a third more and tells people how near it came.
+/// Ten times finer than the floor for edges, so that a curve on its polyline is refused only where
+/// the edge itself has no more than about a micrometre to spare. Proving half of the true least
+/// clearance costs a third more and tells people how near it came.
 constexpr collision::CertificateOptions kCurveCertificate{.smallest_deviation = 1e-6,
                                                           .clearance_ratio = 0.5};
 
