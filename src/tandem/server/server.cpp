@@ -138,8 +138,9 @@ class Server::Impl {
       port_ = options_.port;
     }
     if (port_ <= 0) {
-      return fail(ErrorCode::kIo, "cannot listen on " + for_address(options_.host) + ":" +
-                                      std::to_string(options_.port) +
+      std::string place = for_address(options_.host);
+      if (options_.port != 0) place.append(":").append(std::to_string(options_.port));
+      return fail(ErrorCode::kIo, "cannot listen on " + place +
                                       "; is the port in use, or the address not of this machine?");
     }
     thread_ = std::thread([this] { http_.listen_after_bind(); });
@@ -154,7 +155,7 @@ class Server::Impl {
   }
 
  private:
-  /// The one method of a path; empty if the path is unknown.
+  /// The methods of a path; empty if the path is unknown.
   std::string method_of(const std::string& path) const {
     if (path == "/api/plan") return "GET, POST";
     if (path == "/api/ik") return "POST";
