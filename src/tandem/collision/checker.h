@@ -46,7 +46,7 @@ class CollisionChecker {
 
 /// d distance / d q of one clearance found at q: nhat^T (J_a - J_b) at the witness points.
 /// @param X_WL  link poses at q.   @param gradient  cell.dof(), overwritten [m/rad or -].
-/// Ref: methods, "Swept sphere volumes".
+/// Ref: docs/methods.md, "Swept sphere volumes".
 void distance_gradient(const world::Workcell& cell, const robot::LinkPoses& X_WL,
                        const PairClearance& clearance, Eigen::Ref<Eigen::VectorXd> gradient);
 

@@ -33,7 +33,7 @@ class SsvChecker final : public CollisionChecker {
   /// How far, at most, a point of a core of body `body` moves per unit motion of entry j of q, over
   /// all configurations inside the joint limits [m/rad or -]; 0 for joints that do not move it.
   /// The shapes swept around the cores come no further: a ball looks the same turned.
-  /// Ref: methods, "Continuous-time certificate".
+  /// Ref: docs/methods.md, "Continuous-time certificate".
   double lever_arm(int body, int j) const { return lever_arms_(body, j); }
 
   /// The compiled cell, for the certificate.

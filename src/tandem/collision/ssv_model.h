@@ -135,7 +135,7 @@ class SsvScratch final : public CollisionChecker::Scratch {
     return travel_[n * static_cast<std::size_t>(model_.depth) + static_cast<std::size_t>(shared)];
   }
   /// Upper bound of how far point P of `joint` moves along +-n by the joints below `common` [m].
-  /// Ref: methods, "Continuous-time certificate".
+  /// Ref: docs/methods.md, "Continuous-time certificate".
   double travel_along(const Eigen::Vector3d& n_W, int joint, int common,
                       const Eigen::Vector3d& p_WP);
 

@@ -20,7 +20,7 @@ struct CurveContext {
 /// With `repair`, a curve that leaves its polyline too far gets waypoints on the straight edges
 /// where it failed and is timed again; if that does not end, every edge is run from rest to rest,
 /// which follows the polyline exactly. So it fails on a certified polyline only by time-out.
-/// Ref: methods, "Zero-clamped C2 splines", Repair.
+/// Ref: docs/methods.md, "Zero-clamped C2 splines", Repair.
 /// @return kCollision (pair, time, depth), kLimits (joint, value, limit) or the stop's error.
 Result<motion::CellMotion> make_curve(const CurveContext& context, const motion::JointPath& path,
                                       bool repair);

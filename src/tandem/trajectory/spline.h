@@ -13,8 +13,8 @@ namespace tandem::trajectory {
 /// interval: N + 2 knots, C2, velocity and acceleration zero at both ends.
 /// @param durations  N + 1 knot intervals, > 0 [s].
 /// Throws ContractViolation for wrong sizes or durations that are not positive.
-/// Ref: methods, "Zero-clamped C2 splines"; Wittmann, Rixen, Time-optimal trajectory planning
-/// (2022).
+/// Ref: docs/methods.md, "Zero-clamped C2 splines"; Wittmann, Rixen, Time-optimal trajectory
+/// planning (2022).
 motion::PiecewiseCubic fit_spline(const motion::JointPath& waypoints,
                                   std::span<const double> durations);
 

@@ -10,7 +10,7 @@ namespace tandem::trajectory {
 
 /// Knot positions, velocities and accelerations of the spline through N waypoints on N + 1
 /// intervals h, for all joints at once: rows are knots (N + 2), columns are joints.
-/// One thread at a time. Ref: methods, "Zero-clamped C2 splines".
+/// One thread at a time. Ref: docs/methods.md, "Zero-clamped C2 splines".
 class SplineSystem {
  public:
   /// @param waypoints  N x joints, N >= 2.
