@@ -139,10 +139,10 @@ Eigen::Isometry3d read_pose(const Reader& pose) {
   if (std::abs(u.norm() - 1) > kUnitTolerance) {
     pose["quat_wxyz"].refuse("a unit quaternion, its norm is " + std::to_string(u.norm()));
   }
-  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
-  X.linear() = Eigen::Quaterniond(u[0], u[1], u[2], u[3]).normalized().toRotationMatrix();
-  X.translation() = pose["xyz"].vector(3, kLongestDistance, "x, y, z [m]");
-  return X;
+  Eigen::Isometry3d X_WE = Eigen::Isometry3d::Identity();
+  X_WE.linear() = Eigen::Quaterniond(u[0], u[1], u[2], u[3]).normalized().toRotationMatrix();
+  X_WE.translation() = pose["xyz"].vector(3, kLongestDistance, "x, y, z [m]");
+  return X_WE;
 }
 
 }  // namespace
