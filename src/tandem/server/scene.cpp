@@ -10,9 +10,9 @@ namespace tandem::server {
 
 namespace {
 
-Json pose_json(const Eigen::Isometry3d& X) {
-  const Eigen::Quaterniond u(X.linear());
-  return {{"xyz", vector_json(X.translation())}, {"quat_wxyz", {u.w(), u.x(), u.y(), u.z()}}};
+Json pose_json(const Eigen::Isometry3d& X_FG) {
+  const Eigen::Quaterniond u(X_FG.linear());
+  return {{"xyz", vector_json(X_FG.translation())}, {"quat_wxyz", {u.w(), u.x(), u.y(), u.z()}}};
 }
 
 /// JSON has no infinity: null stands for "none".
