@@ -79,7 +79,7 @@ export async function openSource(): Promise<Source> {
   const data = JSON.parse(text) as PageData | null;
   if (data) return { ...data, server: null, mesh: (index) => embedded(data, index) };
   if (!location.protocol.startsWith('http')) {
-    throw new Error('This page holds no plan. Open one with `tandem view PLAN`, or save one with `tandem view PLAN --export page.html`.');
+    throw new Error('This page holds no plan. Open a plan with tandem view PLAN, or save it as a page with tandem view PLAN --export page.html.');
   }
   const [scene, plan, clearance] = await Promise.all([
     ask<SceneData>('/api/scene'),

@@ -13,7 +13,6 @@ export class GoalHandle {
 
   constructor(private readonly stage: Stage, moved: (pose: PoseData) => void, changed: () => void) {
     this.controls = new TransformControls(stage.camera, stage.canvas);
-    this.controls.size = 0.85;
     this.controls.setSpace('world');
     this.controls.setColors(...colors.axes, '#888888');
     stage.scene.add(this.target, this.controls.getHelper());
@@ -45,6 +44,8 @@ export class GoalHandle {
 
   show(pose: PoseData): void {
     this.place(pose);
+    // It grows with the canvas by itself; fingers do not.
+    this.controls.size = Math.min(Math.max(440 / this.stage.canvas.clientHeight, 0.6), 2);
     this.controls.attach(this.target);
     this.controls.enabled = true;
   }

@@ -15,6 +15,8 @@ export interface LiveHooks {
   /** What is shown now, to start from. */
   configuration(): number[];
   planned(answer: PlanAnswer): void;
+  /** Shows a ghost, whatever its switch says. */
+  reveal(end: 'start' | 'goal'): void;
   /** A new start and goal, before there is a plan between them. */
   ends(start: number[], goal: number[]): void;
 }
@@ -41,7 +43,7 @@ export class LivePanel {
   constructor(private readonly server: Server, private readonly view: CellView, private readonly hooks: LiveHooks) {
     const { scene } = view;
     this.query = scene.queries[0] ?? null;
-    this.handle = new GoalHandle(view.stage, (pose) => this.drag(pose), () => view.toggle('goal', true));
+    this.handle = new GoalHandle(view.stage, (pose) => this.drag(pose), () => view.changed());
     const custom: [string, string] = ['', 'goal of your own'];
     this.queries = select('Query', [...scene.queries.map((name): [string, string] => [name, name]), custom], this.query ?? '', (name) => {
       if (name) void this.choose(name);
@@ -95,6 +97,7 @@ export class LivePanel {
       this.start = start;
       this.goal = goal;
       this.hooks.ends(start, goal);
+      this.placeHandle();
     } catch (error) {
       this.fail(error);
     }
@@ -111,7 +114,7 @@ export class LivePanel {
     }
     this.goal ??= this.hooks.configuration();
     this.start ??= this.hooks.configuration();
-    this.view.toggle('goal', true);
+    this.hooks.reveal('goal');
     this.view.setEnds(this.start, this.goal);
     this.handle.show(this.toolPose(arm, this.goal));
   }
@@ -196,7 +199,7 @@ export class LivePanel {
     const touching = error instanceof Refusal ? error.touching : [];
     // Messages about an end name it; the rest speaks of the goal.
     const q = /\bstart\b/i.test(message) ? this.start : this.goal;
-    if (q === this.start && touching.length) this.view.toggle('start', true);
+    if (q === this.start && touching.length) this.hooks.reveal('start');
     this.report(message, touching, q);
   }
 

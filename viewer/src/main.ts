@@ -19,6 +19,7 @@ import { togglesSection } from './toggles';
 import type { ClearanceSample, PlanData } from './types';
 
 const kKeptFrames = 600;
+const kSlowFrame = 60;  // [ms]
 
 class App {
   readonly frameTimes: number[] = [];
@@ -35,6 +36,7 @@ class App {
   private scheduled = false;
   private moved = true;
   private last = 0;
+  private pace = 0;
   private busy = false;
 
   constructor(source: Source) {
@@ -49,6 +51,11 @@ class App {
     this.live = source.server && new LivePanel(source.server, this.view, {
       configuration: () => [...this.q],
       planned: (answer) => this.planned(answer),
+      reveal: (end) => {
+        if (this.view.isOn(end)) return;
+        this.view.toggle(end, true);
+        this.sections();
+      },
       ends: (start, goal) => this.showEnds(start, goal),
     });
     byId('side').append(...(this.live ? [this.live.element] : []), this.report, this.toggles);
@@ -68,13 +75,11 @@ class App {
     new ResizeObserver(() => this.resize()).observe(byId('view'));
     this.resize();
     this.setPlan(source.plan, source.clearance ?? []);
-    this.view.frame();
   }
 
   /** Resolves when everything that the scene names has been loaded and drawn. */
   async load(source: Source): Promise<void> {
     if (!source.plan && this.live && source.scene.queries.length) await this.live.choose(source.scene.queries[0]);
-    this.view.frame();
     await this.view.parts.loadMeshes(new MeshStore(source.mesh), (link) => this.view.buildLink(link), (message) => this.notice(message));
     this.draw();
   }
@@ -93,6 +98,7 @@ class App {
     this.drawPanels();
     this.clock.reset(session.motion?.duration ?? 0);
     this.update();
+    view.frameAgain();
   }
 
   setTheme(theme: Theme): void {
@@ -155,6 +161,7 @@ class App {
     if (this.busy) throw new Error('a picture is already being made');
     const playing = this.clock.playing;
     this.clock.pause();
+    this.view.stage.setEconomy(0);
     this.busy = true;
     try {
       return await work();
@@ -178,6 +185,7 @@ class App {
     if (this.busy) return;
     const begun = performance.now();
     const seconds = Math.min((now - this.last) / 1000, 0.1);
+    this.keepPace(now - this.last);
     this.last = now;
     this.clock.advance(seconds);
     this.view.stage.orbit.update();
@@ -185,6 +193,20 @@ class App {
     this.frameTimes.push(performance.now() - begun);
     if (this.frameTimes.length > kKeptFrames) this.frameTimes.shift();
     if (this.clock.playing) this.invalidate();
+  }
+
+  /** Draws less well while playing where frames take long, and as well as possible when it stands. */
+  private keepPace(interval: number): void {
+    const { stage } = this.view;
+    if (!this.clock.playing) {
+      this.pace = 0;
+      stage.setEconomy(0);
+      return;
+    }
+    this.pace = 0.85 * this.pace + 0.15 * Math.min(interval, 400);
+    if (this.pace < kSlowFrame || stage.economy === 2) return;
+    this.pace = 0;
+    stage.setEconomy(stage.economy + 1);
   }
 
   // ---- parts of the page
@@ -199,6 +221,7 @@ class App {
     this.q = [...start];
     this.view.setEnds(start, goal);
     this.update();
+    this.view.frameAgain();
   }
 
   private title(): void {
@@ -250,6 +273,7 @@ class App {
     const { clientWidth, clientHeight } = byId('view');
     if (clientWidth === 0 || clientHeight === 0 || this.busy) return;
     this.view.stage.resize(clientWidth, clientHeight);
+    this.view.frameAgain();
     this.draw();  // At once: a resized canvas is empty until then.
   }
 }

@@ -68,6 +68,11 @@ export class Label extends Mark {
     this.center.set(0.5, -0.35);
   }
 
+  override dispose(): void {
+    this.texture.dispose();
+    this.material.dispose();
+  }
+
   /** Draws only when something changed. */
   set(lines: string[], color: string, theme: Theme): void {
     const text = [...lines, color, theme].join('\n');
@@ -108,7 +113,7 @@ export function formatLength(metres: number): string {
 export class Measure extends Group {
   private readonly line: Line2;
   private readonly ends: Sprite[];
-  private readonly label = new Label();
+  private label: Label | null = null;
 
   constructor() {
     super();
@@ -121,7 +126,7 @@ export class Measure extends Group {
       sprite.renderOrder = 99;
       return sprite;
     });
-    this.add(this.line, ...this.ends, this.label);
+    this.add(this.line, ...this.ends);
   }
 
   /** Without lines there is no label. */
@@ -132,9 +137,20 @@ export class Measure extends Group {
       end.position.fromArray(i ? b : a);
       end.material.color.set(color);
     });
+    if (lines.length === 0) return;
+    if (!this.label) {
+      this.label = new Label();
+      this.add(this.label);
+    }
     this.label.position.fromArray(a).lerp(new Vector3(...b), 0.5);
-    this.label.visible = lines.length > 0;
-    if (lines.length) this.label.set(lines, color, theme);
+    this.label.set(lines, color, theme);
+  }
+
+  override dispose(): void {
+    this.line.geometry.dispose();
+    this.line.material.dispose();
+    for (const end of this.ends) end.material.dispose();
+    this.label?.dispose();
   }
 }
 

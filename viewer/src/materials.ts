@@ -52,16 +52,16 @@ export class Materials {
     return this.get('attached', (theme) => colors.attached[theme], () => new MeshStandardMaterial({ roughness: 0.5 }));
   }
 
-  /** A translucent skin; a ghost lies behind the solid surface where both coincide. */
+  /** A translucent skin. Where it coincides with a solid surface, a ghost lies behind it, others before it. */
   skin(key: string, arm: number, opacity: number, ghost = false): MeshLambertMaterial {
     const paint: Paint = (theme) => (arm < 0 ? (theme === 'light' ? '#7c8a99' : '#a9b6c4') : armColor(arm, theme));
     return this.get(`skin ${key} ${arm}`, paint, () => new MeshLambertMaterial({
       transparent: true,
       opacity,
       depthWrite: false,
-      polygonOffset: ghost,
-      polygonOffsetFactor: 2,
-      polygonOffsetUnits: 24,
+      polygonOffset: true,
+      polygonOffsetFactor: ghost ? 2 : -1,
+      polygonOffsetUnits: ghost ? 24 : -16,
     }));
   }
 

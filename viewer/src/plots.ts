@@ -109,7 +109,10 @@ export class JointPanel implements Panel {
     );
     const scales = chosen.map(({ entry }) => limitScale(scene.joints[entry], order));
     const normalised = this.normalised && scales.some((scale) => scale !== null);
-    if (this.normalised && !normalised) this.note.textContent = `no ${quantities[order].name} limits`;
+    const missing = scales.filter((scale) => scale === null).length;
+    const what = quantities[order].name;
+    if (this.normalised && !normalised) this.note.textContent = `no ${what} limits`;
+    else if (normalised && missing) this.note.textContent = `${missing} joints have no ${what} limit`;
     const times = motion.sampleTimes(kSamples);
     const q = new Array<number>(scene.joints.length).fill(0);
     const values = times.map((t) => [...motion.evaluate(t, order, q)]);

@@ -41,10 +41,12 @@ export class CellView {
   private readonly X_other: Matrix4[];
   private motion: CellMotion | null = null;
   private clearance: ClearanceSample[] = [];
-  private hasEnds = false;
+  private ends: (number[] | null)[] = [];
+  private q: number[] = [];
+  private view: View = 'home';
   private time = 0;
 
-  constructor(canvas: HTMLCanvasElement, readonly scene: SceneData, private theme: Theme, private readonly changed: () => void) {
+  constructor(canvas: HTMLCanvasElement, readonly scene: SceneData, private theme: Theme, readonly changed: () => void) {
     this.stage = new Stage(canvas, changed);
     this.kinematics = new Kinematics(scene);
     this.parts = new Parts(scene);
@@ -97,6 +99,7 @@ export class CellView {
   /** The cell at configuration q; t chooses the clearance and the bold part of the traces. */
   show(q: ArrayLike<number>, t: number): void {
     this.time = t;
+    this.q = Array.from(q);
     this.kinematics.linkPoses(q, this.X_WL);
     for (const name of ['visual', 'volumes', 'padding'] as const) this.figures[name].pose(this.X_WL);
     this.toolFrames.forEach((mark, arm) => {
@@ -116,7 +119,7 @@ export class CellView {
   }
 
   setEnds(start: number[] | null, goal: number[] | null): void {
-    this.hasEnds = start !== null || goal !== null;
+    this.ends = [start, goal];
     for (const [name, q] of [['start', start], ['goal', goal]] as const) {
       if (!q) continue;
       this.kinematics.linkPoses(q, this.X_other);
@@ -128,6 +131,7 @@ export class CellView {
 
   /** Bodies that touch at configuration q, and how deep. */
   setTouching(touching: Touching[], q: number[] | null): void {
+    for (const mark of this.touching.children) (mark as Measure).dispose();
     this.touching.clear();
     this.figures.alert.empty();
     const deepestFirst = [...touching].sort((a, b) => a.distance - b.distance);
@@ -170,25 +174,41 @@ export class CellView {
   // ---- the camera
 
   frame(view: View = 'home'): void {
-    const points = this.robotPoints();
+    this.view = view;
+    const configurations = this.configurations();
+    const points = this.robotPoints(configurations);
     const box = new Box3().setFromPoints(points);
     const radius = box.getSize(new Vector3()).length() / 2;
-    const center = box.getCenter(new Vector3());
-    this.stage.light(center, 2 * radius);
-    this.stage.frame(points, this.direction(view));
+    this.stage.light(box.getCenter(new Vector3()), 2 * radius);
+    this.stage.frame(points, this.direction(view, configurations));
     this.changed();
   }
 
-  private direction(view: View): Vector3 {
+  /** After something new came: the view that was framed last, unless a person has turned it since. */
+  frameAgain(): void {
+    if (!this.stage.handled) this.frame(this.view);
+  }
+
+  /** Where the robots go. */
+  private configurations(): ArrayLike<number>[] {
+    const { motion } = this;
+    const ends = this.ends.filter((q) => q !== null);
+    if (!motion) return [this.q, ...ends];
+    return Array.from({ length: 7 }, (_, i) => motion.evaluate((motion.duration * i) / 6, 0, new Array<number>(this.kinematics.dof)));
+  }
+
+  private direction(view: View, configurations: ArrayLike<number>[]): Vector3 {
     if (view === 'top') return new Vector3(-0.001, 0, 1);
-    const bases = new Vector3();
-    const tools = new Vector3();
-    const arms = this.scene.arms.map((_, arm) => arm);
-    for (const arm of arms) {
-      bases.add(new Vector3().setFromMatrixPosition(this.X_WL[this.kinematics.baseLink(arm)]));
-      tools.add(new Vector3().setFromMatrixPosition(this.toolFrames[arm].matrix));
+    const front = new Vector3();  // From the bases to the tools, on average.
+    const X_WE = new Matrix4();
+    for (const q of configurations) {
+      this.kinematics.linkPoses(q, this.X_other);
+      this.scene.arms.forEach((_, arm) => {
+        front.add(new Vector3().setFromMatrixPosition(this.kinematics.toolPose(arm, this.X_other, X_WE)));
+        front.sub(new Vector3().setFromMatrixPosition(this.X_other[this.kinematics.baseLink(arm)]));
+      });
     }
-    const front = tools.sub(bases).setZ(0);
+    front.setZ(0).divideScalar(Math.max(configurations.length, 1));
     // To the nearest eighth of a turn, so that plans of one cell are seen from the same side.
     const eighth = Math.PI / 4;
     const angle = front.length() < 0.05 ? 0 : eighth * Math.round(Math.atan2(front.y, front.x) / eighth);
@@ -198,20 +218,15 @@ export class CellView {
     return front.applyAxisAngle(new Vector3(0, 0, 1), -0.52).setZ(0.42);
   }
 
-  private robotPoints(): Vector3[] {
+  private robotPoints(configurations: ArrayLike<number>[]): Vector3[] {
     const points = [...this.traces.points];
     const robots = this.scene.bodies.filter((body) => body.kind === 'robot');
-    const add = (X_WL: Matrix4[]) => {
+    for (const q of configurations) {
+      this.kinematics.linkPoses(q, this.X_other);
       for (const body of robots) {
         const hull = corners(geometryBox(this.parts.volume(body)));
-        points.push(...hull.map((p) => p.applyMatrix4(X_WL[body.link])));
+        points.push(...hull.map((p) => p.applyMatrix4(this.X_other[body.link])));
       }
-    };
-    add(this.X_WL);
-    const { motion } = this;
-    for (let i = 0; motion && i <= 6; ++i) {
-      this.kinematics.linkPoses(motion.evaluate((motion.duration * i) / 6, 0, new Array<number>(this.kinematics.dof)), this.X_other);
-      add(this.X_other);
     }
     return points;
   }
@@ -302,8 +317,8 @@ export class CellView {
     figures.visual.visible = on.has('visual');
     figures.volumes.visible = on.has('volumes');
     figures.padding.visible = this.paddedObstacles.visible = on.has('padding');
-    figures.goal.visible = on.has('goal') && this.hasEnds;
-    figures.start.visible = on.has('start') && this.hasEnds;
+    figures.start.visible = on.has('start') && Boolean(this.ends[0]);
+    figures.goal.visible = on.has('goal') && Boolean(this.ends[1]);
     this.obstacles.visible = on.has('obstacles');
     this.stage.moved();
     this.frames.visible = on.has('frames');

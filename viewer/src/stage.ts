@@ -15,6 +15,7 @@ import {
   ShaderMaterial,
   ShadowMaterial,
   SRGBColorSpace,
+  Vector2,
   Vector3,
   WebGLRenderer,
 } from 'three';
@@ -22,11 +23,17 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { RoomEnvironment } from 'three/examples/jsm/environments/RoomEnvironment.js';
 import { colors, type Theme } from './palette';
 
+const kRatios = [1, 0.7, 0.5];  // Of the resolution, by economy.
+
 export class Stage {
   readonly scene = new Scene();
   readonly camera = new PerspectiveCamera(32, 1, 0.04, 60);
   readonly renderer: WebGLRenderer;
   readonly orbit: OrbitControls;
+  /** Whether a person has chosen the view since it was last framed. */
+  handled = false;
+  private level = 0;
+  private moves = 0;
   private readonly sun = new DirectionalLight('#ffffff', 2.2);
   private readonly sky = new HemisphereLight('#ffffff', '#b9c2cc', 0.6);
   private readonly grid: Mesh<PlaneGeometry, ShaderMaterial>;
@@ -45,6 +52,7 @@ export class Stage {
     this.orbit.minDistance = 0.1;
     this.orbit.maxDistance = 25;
     this.orbit.addEventListener('change', changed);
+    this.orbit.addEventListener('start', () => (this.handled = true));
 
     const room = new RoomEnvironment();
     const prefilter = new PMREMGenerator(this.renderer);
@@ -71,9 +79,9 @@ export class Stage {
   setTheme(theme: Theme): void {
     this.scene.background = gradient(colors.background[theme]);
     this.grid.material.uniforms.color.value.set(colors.grid[theme]);
-    this.scene.environmentIntensity = theme === 'light' ? 0.45 : 0.32;
+    this.scene.environmentIntensity = theme === 'light' ? 0.45 : 0.42;
     this.sun.intensity = theme === 'light' ? 2.2 : 1.7;
-    this.sky.intensity = theme === 'light' ? 0.6 : 0.35;
+    this.sky.intensity = theme === 'light' ? 0.6 : 0.55;
   }
 
   /** @param height of the ground [m] */
@@ -83,7 +91,7 @@ export class Stage {
   }
 
   resize(width: number, height: number): void {
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2) * kRatios[this.economy]);
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / Math.max(height, 1);
     this.camera.updateProjectionMatrix();
@@ -113,6 +121,7 @@ export class Stage {
         target.addScaledVector(axis, ((Math.min(...slopes) + Math.max(...slopes)) / 2) * distance);
       });
     }
+    this.handled = false;
     this.orbit.target.copy(target);
     this.camera.position.copy(target).addScaledVector(back, distance);
     this.orbit.update();
@@ -133,15 +142,29 @@ export class Stage {
     this.renderer.render(this.scene, this.camera);
   }
 
+  /** 0 draws everything as well as possible; 1 and 2 are for machines that cannot keep up. */
+  get economy(): number {
+    return this.level;
+  }
+
+  setEconomy(level: number): void {
+    if (level === this.level) return;
+    this.level = level;
+    const { x: width, y: height } = this.renderer.getSize(new Vector2());
+    this.resize(width, height);
+    this.sun.shadow.needsUpdate = true;
+  }
+
   /** To be called when something has moved, appeared or gone. */
   moved(): void {
-    this.sun.shadow.needsUpdate = true;
+    this.moves = (this.moves + 1) % (this.level + 1);
+    if (this.moves === 0) this.sun.shadow.needsUpdate = true;
   }
 
   /** Draws at another size, hands the canvas to `use`, and goes back. */
   async at<Value>(width: number, height: number, use: () => Promise<Value>): Promise<Value> {
     const ratio = this.renderer.getPixelRatio();
-    const { width: w, height: h } = this.canvas;
+    const { x: w, y: h } = this.renderer.getSize(new Vector2());
     const aspect = this.camera.aspect;
     this.renderer.setPixelRatio(1);
     this.renderer.setSize(width, height, false);
@@ -151,7 +174,7 @@ export class Stage {
       return await use();
     } finally {
       this.renderer.setPixelRatio(ratio);
-      this.renderer.setSize(w / ratio, h / ratio, false);
+      this.renderer.setSize(w, h, false);
       this.camera.aspect = aspect;
       this.camera.updateProjectionMatrix();
     }
