@@ -133,6 +133,7 @@ class App {
 
   async capture(width: number, height: number): Promise<Blob> {
     return this.alone(() => this.view.stage.at(width, height, () => {
+      this.view.frameAgain();
       this.draw();
       return new Promise<Blob>((resolve, reject) => {
         this.view.stage.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error('the picture could not be encoded'))), 'image/png');
@@ -144,16 +145,20 @@ class App {
   async record(fps: number, speed: number, width = 1280, height = 720): Promise<Blob> {
     const { clock, view } = this;
     const count = Math.max(1, Math.ceil((clock.duration / speed) * fps) + 1);
-    return this.alone(() => view.stage.at(width, height, () => recordWebm(view.stage.canvas, {
-      width,
-      height,
-      fps,
-      count,
-      draw: (i) => {
-        clock.setTime((i * speed) / fps);
-        this.draw();
-      },
-    })));
+    [width, height] = [width - (width % 2), height - (height % 2)];  // Encoders halve the colours.
+    return this.alone(() => view.stage.at(width, height, () => {
+      view.frameAgain();
+      return recordWebm(view.stage.canvas, {
+        width,
+        height,
+        fps,
+        count,
+        draw: (i) => {
+          clock.setTime((i * speed) / fps);
+          this.draw();
+        },
+      });
+    }));
   }
 
   /** Nothing else draws or moves meanwhile. */
@@ -167,6 +172,7 @@ class App {
       return await work();
     } finally {
       this.busy = false;
+      this.view.frameAgain();
       if (playing) this.clock.play();
       this.invalidate();
     }

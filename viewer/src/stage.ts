@@ -23,7 +23,7 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { RoomEnvironment } from 'three/examples/jsm/environments/RoomEnvironment.js';
 import { colors, type Theme } from './palette';
 
-const kRatios = [1, 0.7, 0.5];  // Of the resolution, by economy.
+const kRatios = [1, 0.8, 0.65];  // Of the resolution, by economy.
 
 export class Stage {
   readonly scene = new Scene();
