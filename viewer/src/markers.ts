@@ -104,6 +104,7 @@ export class Label extends Mark {
 /** 0.0058 m as people say it. */
 export function formatLength(metres: number): string {
   const size = Math.abs(metres);
+  if (size > 0 && size < 1e-5) return `${(metres * 1e6).toPrecision(2)} µm`;
   if (size < 1e-3) return `${(metres * 1e3).toFixed(2)} mm`;
   if (size < 0.1) return `${(metres * 1e3).toFixed(1)} mm`;
   return `${(metres * 1e2).toFixed(1)} cm`;

@@ -81,7 +81,7 @@ it('splits the planning time by module', () => {
 });
 
 it('says lengths in units that fit', () => {
-  expect([0.00002, 0.0058, -0.0123, 0.25].map(formatLength)).toEqual(['0.02 mm', '5.8 mm', '-12.3 mm', '25.0 cm']);
+  expect([0, 3.14e-6, 0.00002, 0.0058, -0.0123, 0.25].map(formatLength)).toEqual(['0.00 mm', '3.1 µm', '0.02 mm', '5.8 mm', '-12.3 mm', '25.0 cm']);
 });
 
 it('mixes colours and tells arms and joints apart', () => {
