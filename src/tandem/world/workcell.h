@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tandem/geometry/shape.h"
+#include "tandem/geometry/surface.h"
 #include "tandem/robot/kinematics.h"
 #include "tandem/robot/model.h"
 #include "tandem/robot/srdf.h"
@@ -50,6 +51,7 @@ struct ObstacleSpec {
   std::string name;
   std::vector<geometry::Shape> shapes_W;
   std::string where = {};
+  std::vector<geometry::PlacedSurface> surfaces_W = {};
 };
 
 /// Geometry carried by a link, rigidly.
@@ -59,6 +61,7 @@ struct AttachedSpec {
   std::vector<geometry::Shape> shapes_L;
   std::vector<std::string> touching;  ///< Bodies it may touch, besides its own link.
   std::string where = {};
+  std::vector<geometry::PlacedSurface> surfaces_L = {};
 };
 
 /// Bodies that may touch, by body name: "left/panda_link5", an obstacle or an attached object.
@@ -131,6 +134,7 @@ struct Body {
   double padding;                         ///< [m]
   ArmMask moved_by;                       ///< Arms that can move it; 0 stands still.
   enum class Kind { kRobotLink, kObstacle, kAttached } kind;
+  std::vector<geometry::PlacedSurface> surfaces_L = {};  ///< Unpadded, besides the shapes.
 };
 
 /// Two bodies that must not touch; indices into bodies(), a < b.
