@@ -104,6 +104,35 @@ class CertifiedValidity final : public CheckerValidity {
   StopCondition stop_;
 };
 
+class BatchValidity final : public Validity {
+ public:
+  BatchValidity(const collision::BatchChecker& checker, const world::PairSelection& selection,
+                StopCondition stop)
+      : checker_(checker),
+        pairs_(checker.compile(selection)),
+        scratch_(checker.make_scratch()),
+        stop_(std::move(stop)) {}
+
+  bool state(const Eigen::VectorXd& q) override {
+    const Timer timer(stats_.seconds);
+    ++stats_.states;
+    return checker_.are_free(q, *pairs_, *scratch_);
+  }
+  bool edge(const Eigen::VectorXd& a, const Eigen::VectorXd& b) override {
+    const Timer timer(stats_.seconds);
+    ++stats_.edges;
+    return checker_.is_edge_free(a, b, *pairs_, *scratch_, stop_);
+  }
+  const ValidityStats& stats() const override { return stats_; }
+
+ private:
+  const collision::BatchChecker& checker_;
+  const collision::BatchChecker::Pairs pairs_;
+  const collision::BatchChecker::ScratchPtr scratch_;
+  StopCondition stop_;
+  ValidityStats stats_;
+};
+
 }  // namespace
 
 std::unique_ptr<Validity> make_sampled_validity(const collision::CollisionChecker& checker,
@@ -117,6 +146,12 @@ std::unique_ptr<Validity> make_certified_validity(const collision::SsvChecker& c
                                                   const collision::CertificateOptions& options,
                                                   const StopCondition& stop) {
   return std::make_unique<CertifiedValidity>(checker, std::move(selection), options, stop);
+}
+
+std::unique_ptr<Validity> make_batch_validity(const collision::BatchChecker& checker,
+                                              const world::PairSelection& selection,
+                                              const StopCondition& stop) {
+  return std::make_unique<BatchValidity>(checker, selection, stop);
 }
 
 double l1_extent(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {

@@ -1,0 +1,81 @@
+#pragma once
+/// Collision checks of many configurations at once, and of straight edges with a proof.
+
+#include <memory>
+
+#include "tandem/collision/ssv_checker.h"
+#include "tandem/core/stop.h"
+
+namespace tandem::collision {
+
+struct BatchModel;
+struct BatchPairs;
+
+/// What is known of a straight edge.
+struct EdgeProof {
+  bool is_free = false;  ///< Proven for every point of the edge, both ends included.
+  /// Every pair keeps at least this distance all along [m], if free; a lower bound, and never more
+  /// than BatchChecker::kClearanceCap.
+  double least_clearance = 0;
+};
+
+/// The fast path of SsvChecker: several configurations in the lanes of one vector, in single
+/// precision, for the instruction set found at run time.
+///
+/// Single precision decides what is further from touching than `margin()`; the rest, and pairs of
+/// shapes without a vector kernel, are asked of the exact checker, pair by pair. So verdicts on
+/// configurations are those of SsvChecker, and an accepted edge is proven. Immutable and
+/// thread-safe; what changes lives in a Scratch, one per thread.
+/// Ref: docs/methods.md, "Batches".
+class BatchChecker {
+ public:
+  /// Work space, and the pair that was hit last.
+  class Scratch;
+  struct ScratchDeleter {
+    void operator()(Scratch* scratch) const;
+  };
+  using ScratchPtr = std::unique_ptr<Scratch, ScratchDeleter>;
+  /// A selection of pairs, compiled: immutable, share it between threads.
+  using Pairs = std::shared_ptr<const BatchPairs>;
+
+  static constexpr double kClearanceCap = 0.1;  ///< [m]
+
+  /// @param exact  decides what single precision cannot; must outlive the checker.
+  explicit BatchChecker(const SsvChecker& exact);
+  ~BatchChecker();
+  BatchChecker(const BatchChecker&) = delete;
+  BatchChecker& operator=(const BatchChecker&) = delete;
+
+  const SsvChecker& exact() const { return exact_; }
+  const world::Workcell& cell() const { return exact_.cell(); }
+
+  /// Pairs that no configuration inside the joint limits brings together are left out.
+  Pairs compile(const world::PairSelection& selection) const;
+  Pairs compile(const world::PairScope& scope) const { return compile(cell().select(scope)); }
+  ScratchPtr make_scratch() const;
+
+  /// Whether every column of Q (dof x n, n >= 0, finite) is free. Most colliding blocks end at the
+  /// first pair found. Allocates nothing.
+  bool are_free(const Eigen::Ref<const Eigen::MatrixXd>& Q, const BatchPairs& pairs,
+                Scratch& scratch) const;
+
+  /// Whether the straight edge from a to b is free, with a proof; the same answer for (b, a). Only
+  /// edges that come nearer than `margin()` may be free and rejected.
+  /// @param a,b  dof, finite, inside the joint limits.
+  bool is_edge_free(const Eigen::Ref<const Eigen::VectorXd>& a,
+                    const Eigen::Ref<const Eigen::VectorXd>& b, const BatchPairs& pairs,
+                    Scratch& scratch, const StopCondition& stop = {}) const;
+  /// The same with the clearance that was proven, at some more cost.
+  EdgeProof prove_edge(const Eigen::Ref<const Eigen::VectorXd>& a,
+                       const Eigen::Ref<const Eigen::VectorXd>& b, const BatchPairs& pairs,
+                       Scratch& scratch, const StopCondition& stop = {}) const;
+
+  /// Bound of the rounding of a distance in single precision [m].
+  double margin() const;
+
+ private:
+  const SsvChecker& exact_;
+  std::unique_ptr<const BatchModel> model_;
+};
+
+}  // namespace tandem::collision
