@@ -40,6 +40,7 @@ OPTIONAL = {
     "collision/fcl": {"pipeline", "verification"},
     "planning/ompl": {"pipeline", "verification"},
     "trajectory/nlopt": {"pipeline", "verification"},
+    "shortening/nlopt": {"pipeline"},
 }
 # Headers directly in src/tandem, above every folder.
 FACE = "tandem.h"

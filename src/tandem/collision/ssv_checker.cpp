@@ -130,4 +130,22 @@ void SsvChecker::clearances(const Eigen::Ref<const Eigen::VectorXd>& q,
   }
 }
 
+void SsvChecker::shape_clearances(const Eigen::Ref<const Eigen::VectorXd>& q,
+                                  const world::PairSelection& selection, double within,
+                                  CollisionChecker::Scratch& scratch,
+                                  std::vector<PairClearance>& out) const {
+  place(q, scratch);
+  SsvScratch& own = own_scratch(*model_, scratch);
+  out.clear();
+  for (const int index : selection) {
+    const SsvPair& pair = model_->pair(index);
+    if (own.spheres_apart(pair.a, pair.b, within)) continue;
+    visit_near_shapes(own, pair, within, kNoSlack, [&](int sa, int sb, double) {
+      const geometry::Clearance c = geometry::clearance(own.shape(sa), own.shape(sb));
+      if (c.distance < within) out.push_back({index, c.distance, c.nhat_BA_W, c.p_WCa, c.p_WCb});
+      return within;
+    });
+  }
+}
+
 }  // namespace tandem::collision

@@ -24,6 +24,12 @@ class SsvChecker final : public CollisionChecker {
                   double within, CollisionChecker::Scratch& scratch,
                   std::vector<PairClearance>& out) const override;
 
+  /// All pairs of shapes nearer than `within` [m], several to a pair of bodies where they are: what
+  /// linearising a distance needs between two walls. `out` is cleared first.
+  void shape_clearances(const Eigen::Ref<const Eigen::VectorXd>& q,
+                        const world::PairSelection& selection, double within,
+                        CollisionChecker::Scratch& scratch, std::vector<PairClearance>& out) const;
+
   /// Places the cell at q; the pair queries below refer to it.
   void place(const Eigen::Ref<const Eigen::VectorXd>& q, CollisionChecker::Scratch& scratch) const;
   /// Distance of one pair at the placed q, exact where it is below `needed`; where bounding

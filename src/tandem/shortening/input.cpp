@@ -1,0 +1,37 @@
+#include "tandem/shortening/input.h"
+
+#include "tandem/core/contract.h"
+#include "tandem/shortening/path_cost.h"
+
+namespace tandem::shortening {
+
+void check_input(const world::Workcell& cell, const motion::JointPath& path,
+                 const ShorteningOptions& options, const motion::JointPath* start) {
+  expects(path.size() >= 2, "a path has at least two waypoints");
+  for (const Eigen::VectorXd& q : path) {
+    expects(q.size() == cell.dof(), "a waypoint has one entry per joint of the cell's arms");
+  }
+  expects(options.clearance > 0 && options.tolerance > 0 && options.longest_edge >= 1 &&
+              options.difference_step >= 0,
+          "clearance and tolerance are positive, edges may at least be as long as the mean");
+  expects(options.points_per_edge.empty() || options.points_per_edge.size() + 1 == path.size(),
+          "one number of points per edge, or none");
+  if (!start) return;
+  expects(start->size() == path.size() && start->front() == path.front() &&
+              start->back() == path.back(),
+          "the start has as many waypoints as the path, and its ends");
+}
+
+Shortening unchanged(const world::Workcell& cell, const motion::JointPath& path,
+                     const ShorteningOptions& options) {
+  PathCost cost(cell, options.weights);
+  Waypoint from, to;
+  cost.place(path.front(), false, from);
+  cost.place(path.back(), false, to);
+  Shortening result;
+  result.path = path;
+  result.before = result.after = cost.edge(from, to);
+  return result;
+}
+
+}  // namespace tandem::shortening

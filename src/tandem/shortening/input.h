@@ -1,0 +1,17 @@
+#pragma once
+/// What every shortener asks of its input. Private to shortening/.
+
+#include "tandem/shortening/shortener.h"
+
+namespace tandem::shortening {
+
+/// Throws ContractViolation for fewer than two waypoints, wrong sizes, options out of range, or a
+/// start with other ends or another number of waypoints.
+void check_input(const world::Workcell& cell, const motion::JointPath& path,
+                 const ShorteningOptions& options, const motion::JointPath* start);
+
+/// The answer for a path without inner waypoints.
+Shortening unchanged(const world::Workcell& cell, const motion::JointPath& path,
+                     const ShorteningOptions& options);
+
+}  // namespace tandem::shortening
