@@ -353,7 +353,7 @@ TEST(FclChecker, NamesWhatItCannotRead) {
        {std::string(), std::string("v 0 0 0\n"), std::string("not a mesh\n"),
         std::string("v 0 0 0\nv 1 0 0\nl 1 2\n"), std::string("f 1 2 3\n")}) {
     const std::string file = folder.write("bad.obj", text);
-    expect_error(error_of("bad.obj", file), ErrorCode::kIo, {"slider/carriage", file});
+    expect_error(error_of("bad.obj", file), ErrorCode::kInvalidInput, {"slider/carriage", file});
   }
   const auto checker =
       FclChecker::make(test::make_cell(test::slider_cell_spec()), FclGeometry::kUrdf);

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tandem/collision/fcl/mesh_file.h"
+#include "tandem/geometry/mesh_file.h"
 
 namespace tandem::collision {
 
@@ -18,11 +18,15 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using geometry::CoreType;
 using geometry::Shape;
+using geometry::TriangleMesh;
 
 std::shared_ptr<const fcl::CollisionGeometryd> make_surface(const TriangleMesh& mesh) {
   auto surface = std::make_shared<fcl::BVHModel<fcl::OBBRSSd>>();
   std::vector<fcl::Triangle> triangles;
-  for (const auto& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+  for (const auto& [i, j, k] : mesh.triangles) {
+    triangles.emplace_back(static_cast<std::size_t>(i), static_cast<std::size_t>(j),
+                           static_cast<std::size_t>(k));
+  }
   surface->beginModel();
   surface->addSubModel(mesh.vertices, triangles);
   surface->endModel();
@@ -81,7 +85,7 @@ void finish_polytope(FclPiece& piece) {
 
 /// Along z. Its surface is a prism around it.
 FclPiece cylinder_piece(double radius, double length) {
-  constexpr std::size_t kSides = 128;
+  constexpr int kSides = 128;
   FclPiece piece;
   piece.solid = std::make_shared<fcl::Cylinderd>(radius, length);
   piece.cylinder_radius = radius;
@@ -89,12 +93,12 @@ FclPiece cylinder_piece(double radius, double length) {
   piece.normals_G = piece.edges_G = {Vector3d::UnitZ()};
   TriangleMesh prism;
   const double outer = radius / std::cos(std::numbers::pi / kSides);
-  for (std::size_t i = 0; i < kSides; ++i) {
-    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kSides;
+  for (int i = 0; i < kSides; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kSides;
     for (const double z : {-0.5 * length, 0.5 * length}) {
       prism.vertices.emplace_back(outer * std::cos(angle), outer * std::sin(angle), z);
     }
-    const std::size_t low = 2 * i, next = 2 * ((i + 1) % kSides);
+    const int low = 2 * i, next = 2 * ((i + 1) % kSides);
     prism.triangles.push_back({low, next, next + 1});
     prism.triangles.push_back({low, next + 1, low + 1});
     if (i < 2) continue;
@@ -114,11 +118,11 @@ Result<FclPiece> mesh_piece(const robot::MeshGeometry& mesh, const std::string& 
   }
   const std::pair key{mesh.path, std::array{mesh.scale.x(), mesh.scale.y(), mesh.scale.z()}};
   if (const auto known = meshes.find(key); known != meshes.end()) return known->second;
-  const Result<TriangleMesh> read = read_mesh(mesh.path, mesh.scale);
+  const Result<TriangleMesh> read = geometry::read_mesh(mesh.path, mesh.scale);
   if (!read) return fail(read.error().code, "link '" + link + "': " + read.error().message);
   FclPiece piece;
   piece.surface = make_surface(*read);
-  piece.p_GP = read->vertices[read->triangles.front()[0]];
+  piece.p_GP = read->vertices[static_cast<std::size_t>(read->triangles.front()[0])];
   return meshes.emplace(key, piece).first->second;
 }
 

@@ -41,7 +41,8 @@ FclPiece make_piece(const geometry::Shape& shape_L);
 
 /// A piece of a URDF link.
 /// @param link  its name, for messages.
-/// @return kNotFound for a mesh whose package was not found; kIo for one that cannot be read.
+/// @return kNotFound for a mesh whose package was not found; kIo or kInvalidInput for one that
+/// cannot be read.
 Result<FclPiece> make_piece(const robot::Geometry& geometry, const std::string& link,
                             FclMeshes& meshes);
 
