@@ -3,6 +3,7 @@
 #include <iostream>
 #include <map>
 
+#include "bench_problems.h"
 #include "commands.h"
 #include "options.h"
 #include "stop_signals.h"
@@ -16,26 +17,9 @@ namespace {
 struct BenchCommand {
   CellOptions cell;
   PlanningOptions planning;
+  ProblemOptions problems;
+  BenchOutput output;
   int cycles = 1;
-  std::string json;
-  bool force = false;
-};
-
-/// One line on a terminal, written over and over.
-class Progress {
- public:
-  void operator()(const pipeline::BenchRun& run, int done, int total) {
-    if (!shows_progress()) return;
-    failed_ += run.success ? 0 : 1;
-    std::cerr << "\r\033[K" << done << "/" << total << ", " << failed_ << " failed, " << run.query
-              << std::flush;
-  }
-  void clear() const {
-    if (shows_progress()) std::cerr << "\r\033[K" << std::flush;
-  }
-
- private:
-  int failed_ = 0;
 };
 
 /// One message per query and kind of failure: a thousand runs fail in few ways.
@@ -54,22 +38,22 @@ void print_failures(const pipeline::BenchResult& result) {
   }
 }
 
-int run(const BenchCommand& command) {
+int bench_cell(const BenchCommand& command) {
   const auto failed = [](const Error& error) { return report("bench", error); };
-  if (!command.json.empty()) {
-    auto writable = io::check_writable(command.json, command.force);
-    if (!writable) return failed(writable.error());
-  }
   const StopSignals signals;
   const auto cell = command.cell.load();
   if (!cell) return failed(cell.error());
-  Progress progress;
-  const auto result = pipeline::bench(*cell, command.cycles, command.planning.with(signals.token()),
-                                      std::ref(progress));
+  BenchProgress progress;
+  const auto show = [&progress](const pipeline::BenchRun& run, int done, int total) {
+    progress.show(run.success, run.query, static_cast<std::size_t>(done),
+                  static_cast<std::size_t>(total));
+  };
+  const auto result =
+      pipeline::bench(*cell, command.cycles, command.planning.with(signals.token()), show);
   progress.clear();
   if (!result) return failed(result.error());
-  if (!command.json.empty()) {
-    auto written = io::write_file(command.json, io::bench_json(*result), command.force);
+  if (const BenchOutput& output = command.output; !output.json.empty()) {
+    auto written = io::write_file(output.json, io::bench_json(*result), output.force);
     if (!written) return failed(written.error());
   }
   const int printed = print("bench", io::bench_table(*result));
@@ -81,29 +65,49 @@ int run(const BenchCommand& command) {
   return printed;
 }
 
+int run(const BenchCommand& command) {
+  if (const BenchOutput& output = command.output; !output.json.empty()) {
+    auto writable = io::check_writable(output.json, output.force);
+    if (!writable) return report("bench", writable.error());
+  }
+  if (command.problems.file.empty()) return bench_cell(command);
+  return bench_problems(command.problems, command.cell.packages, command.cycles, command.planning,
+                        command.output);
+}
+
 }  // namespace
 
 void add_bench(CLI::App& app, int& exit_code) {
-  CLI::App* sub = app.add_subcommand("bench", "Plan all queries of a workcell again and again");
+  CLI::App* sub = app.add_subcommand(
+      "bench", "Plan all queries of a workcell again and again, or a file of problems");
   auto command = std::make_shared<BenchCommand>();
-  command->cell.add_to(*sub);
-  sub->add_option("--cycles", command->cycles, "How often each query is planned")
+  CLI::Option* cell = command->cell.add_to(*sub)->required(false);
+  cell->excludes(command->problems.add_to(*sub));
+  sub->add_option("--cycles", command->cycles, "How often each query or problem is planned")
       ->type_name("N")
       ->capture_default_str()
       ->check(whole_number(1));
-  sub->add_option("--json", command->json, "Write the statistics here")->type_name("FILE");
-  add_force(*sub, command->force);
+  sub->add_option("--json", command->output.json, "Write the statistics here")->type_name("FILE");
+  add_force(*sub, command->output.force);
   command->planning.add_to(*sub);
   sub->footer(
       "Prints a table: mean, deviation, percentiles and maximum per module, failures by kind, the\n"
       "fallbacks taken, and a row per query. Statistics are over successful runs. Run k has seed\n"
       "SEED + k. Interrupted, it keeps what it has.\n\n"
+      "With --problems, only paths are planned, without timing: per set, how many problems were\n"
+      "solved, how many paths are certified, planning and simplification times in microseconds\n"
+      "and lengths before and after. See docs/problems.md.\n\n"
       "Example:\n"
       "  tandem bench scenarios/gearbox/workcell.yaml --cycles 100 --preset paper --json "
       "paper.json\n\n"
       "Exit codes: 0 all cycles were run (failed queries are a result), 1 a query cannot be stood\n"
       "at, 2 options or files that cannot be used, 130 interrupted.");
-  sub->callback([command, &exit_code] { exit_code = run(*command); });
+  sub->callback([command, &exit_code] {
+    if (command->cell.file.empty() && command->problems.file.empty()) {
+      throw CLI::RequiredError("CELL or --problems");
+    }
+    exit_code = run(*command);
+  });
 }
 
 }  // namespace tandem::app

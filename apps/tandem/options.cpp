@@ -102,9 +102,11 @@ void CellOptions::add_packages(CLI::App& command) {
       ->check(CLI::Validator(CLI::ExistingDirectory).description(""));
 }
 
-void CellOptions::add_to(CLI::App& command) {
-  command.add_option("CELL", file, "Workcell file (YAML)")->required()->type_name("");
+CLI::Option* CellOptions::add_to(CLI::App& command) {
+  CLI::Option* cell =
+      command.add_option("CELL", file, "Workcell file (YAML)")->required()->type_name("");
   add_packages(command);
+  return cell;
 }
 
 Result<std::shared_ptr<const world::Workcell>> CellOptions::load() const {

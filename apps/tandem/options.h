@@ -19,7 +19,7 @@ struct CellOptions {
   std::vector<std::string> packages;
 
   void add_packages(CLI::App& command);
-  void add_to(CLI::App& command);
+  CLI::Option* add_to(CLI::App& command);  ///< The option CELL.
   Result<std::shared_ptr<const world::Workcell>> load() const;
 };
 

@@ -357,6 +357,74 @@ class Bench(CommandLine):
         self.assertIn(b"6/6, 0 failed", shown)
 
 
+class BenchProblems(CommandLine):
+    PROBLEMS = SOURCE / "tests/io/problems"
+    ROBOT = ("--urdf", PROBLEMS / "torso.urdf", "--srdf", PROBLEMS / "torso.srdf")
+
+    def torso(self, *arguments):
+        return ("bench", "--problems", self.PROBLEMS / "torso_sets.json", *self.ROBOT, *arguments)
+
+    def test_table_and_json(self):
+        done = self.ok(*self.torso("--cycles", "2", "--json", "b.json"))
+        for words in ("crates", "posts plan_us", "total total_us", "failures: none"):
+            self.assertIn(words, done.out)
+        bench = json.loads((self.folder / "b.json").read_text())
+        self.assertEqual(set(bench["sets"]), {"crates", "posts"})
+        counts = [(s["problems"], s["valid"], s["runs"], s["solved"], s["certified"])
+                  for s in (*bench["sets"].values(), bench["total"])]
+        self.assertEqual(counts, [(1, 1, 2, 2, 2), (2, 1, 2, 2, 2), (3, 2, 4, 4, 4)])
+        for key in ("plan_us", "simplify_us", "total_us", "length_before", "length_after"):
+            self.assertEqual(set(bench["total"][key]), {"median", "mean", "p95", "max"})
+            self.assertGreater(bench["total"][key]["median"], 0)
+        self.refused(2, *self.torso("--json", "b.json"), says=("b.json exists", "--force"))
+
+    def test_several_robots(self):
+        done = self.ok("bench", "--problems", self.PROBLEMS / "planar_pairs.json", "--urdf",
+                       f"planar={self.PROBLEMS / 'planar.urdf'}")
+        self.assertRegex(done.out, r"facing +3 +3 +3 +3 +3\n")
+
+    def test_one_set_and_failures(self):
+        done = self.ok(*self.torso("--set", "posts", "--deadline", "1e-9", "--verbose",
+                                   "--json", "b.json"))
+        self.assertNotIn("crates", done.out)
+        self.assertIn("posts 1, cycle 0, timeout: ", done.out)
+        posts = json.loads((self.folder / "b.json").read_text())["sets"]["posts"]
+        self.assertEqual((posts["solved"], posts["failure_kinds"]), (0, {"timeout": 1}))
+        self.assertEqual(posts["failures"][0]["problem"], "1")
+
+    def test_wrong_use(self):
+        sets = self.PROBLEMS / "torso_sets.json"
+        for arguments, says in (
+                (("bench",), "CELL or --problems is required"),
+                (("bench", CELL, "--problems", sets), "--problems"),
+                (("bench", CELL, "--urdf", "x"), "--problems"),
+                (("bench", "--problems", sets), "no URDF for robot model 'torso'"),
+                (("bench", "--problems", "gone.json"), "gone.json"),
+                (self.torso("--set", "post"), "did you mean 'posts'?"),
+                (self.torso("--urdf", "x"), "MODEL=FILE"),
+                (self.torso("--joint", "neck"), "NAME=VALUE"),
+                (self.torso("--joint", "neck=inf"), "NAME=VALUE"),
+                (self.torso("--joint", "neck=9"), "outside its limits"),
+                (self.torso("--cycles", "0"), "'0' is not a whole number from 1")):
+            with self.subTest(arguments):
+                self.refused(2, *arguments, says=says)
+
+    def test_interruption_keeps_what_it_has(self):
+        with subprocess.Popen([PROGRAM, *map(str, self.torso("--cycles", "10000000", "--json",
+                                                             "b.json"))],
+                              cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              text=True) as process:
+            time.sleep(1.5)
+            process.send_signal(signal.SIGINT)
+            out, err = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 130, err)
+        self.assertRegex(err, r"interrupted after \d+ of 20000000 runs")
+        bench = json.loads((self.folder / "b.json").read_text())
+        self.assertTrue(bench["interrupted"])
+        self.assertGreater(bench["total"]["runs"], 0)
+        self.assertIn("failures: none", out)
+
+
 class View(CommandLine):
     def setUp(self):
         super().setUp()

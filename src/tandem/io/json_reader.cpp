@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
-#include <set>
 
 #include "tandem/core/names.h"
 
@@ -22,53 +19,41 @@ std::string shown(const nlohmann::json& value) {
   return text.size() > kMost ? text.substr(0, kMost) + "..." : text;
 }
 
-/// Refuses a key that stands twice in one object: the parser would keep the last one silently.
-class RepeatedKeys {
- public:
-  bool operator()(int, nlohmann::json::parse_event_t event, nlohmann::json& parsed) {
-    using Event = nlohmann::json::parse_event_t;
-    if (event == Event::object_start) open_.emplace_back();
-    if (event == Event::object_end) open_.pop_back();
-    if (event == Event::key && !open_.back().insert(parsed.get<std::string>()).second) {
-      throw BadJson{"key " + parsed.dump() + " stands twice in one object; keep one of them"};
-    }
-    return true;
-  }
-
- private:
-  std::vector<std::set<std::string>> open_;
-};
-
 }  // namespace
 
 void JsonReader::refuse(const std::string& expected) const {
   throw BadJson{(where_.empty() ? "the document" : where_) + " is " + shown(*value_) +
-                ", expected " + expected};
+                    ", expected " + expected,
+                value_};
 }
 
 void JsonReader::complain(const std::string& message) const {
-  throw BadJson{where_ + ": " + message};
+  throw BadJson{where_.empty() ? message : where_ + ": " + message, value_};
 }
 
-void JsonReader::expect_keys(const std::vector<std::string>& expected) const {
+void JsonReader::expect_keys(const std::vector<std::string>& required,
+                             const std::vector<std::string>& optional) const {
+  const std::string prefix = where_.empty() ? "" : where_ + ".";
+  std::vector<std::string> known = required;
+  known.insert(known.end(), optional.begin(), optional.end());
   for (const std::string& key : keys()) {
-    if (std::find(expected.begin(), expected.end(), key) == expected.end()) {
-      throw BadJson{"unknown key " + (where_.empty() ? key : where_ + "." + key) +
-                    name_hint(key, expected)};
-    }
+    if (std::ranges::find(known, key) != known.end()) continue;
+    throw BadJson{"unknown key " + prefix + key + name_hint(key, known), &value_->at(key), true};
   }
-  for (const std::string& key : expected) {
-    if (!value_->contains(key)) {
-      throw BadJson{"key " + (where_.empty() ? key : where_ + "." + key) + " is missing"};
-    }
+  for (const std::string& key : required) {
+    if (!has(key)) throw BadJson{"key " + prefix + key + " is missing", value_};
   }
 }
+
+void JsonReader::expect_keys(const std::vector<std::string>& keys) const { expect_keys(keys, {}); }
+
+bool JsonReader::has(const std::string& key) const { return value_->contains(key); }
 
 JsonReader JsonReader::operator[](const std::string& key) const {
   if (!value_->is_object()) refuse("an object");
   const auto member = value_->find(key);
   const std::string where = where_.empty() ? key : where_ + "." + key;
-  if (member == value_->end()) throw BadJson{"key " + where + " is missing"};
+  if (member == value_->end()) throw BadJson{"key " + where + " is missing", value_};
   return {*member, where};
 }
 
@@ -97,6 +82,17 @@ double JsonReader::non_negative() const {
   const double value = number();
   if (value < 0) refuse("a number that is not negative");
   return value;
+}
+
+double JsonReader::positive() const {
+  const double value = number();
+  if (value <= 0) refuse("a number above 0");
+  return value;
+}
+
+bool JsonReader::boolean() const {
+  if (!value_->is_boolean()) refuse("true or false");
+  return value_->get<bool>();
 }
 
 std::uint64_t JsonReader::count(std::uint64_t most) const {
@@ -129,29 +125,6 @@ Eigen::VectorXd JsonReader::vector(Eigen::Index size, const std::string& what) c
     refuse(std::to_string(size) + " numbers: " + what);
   }
   return Eigen::Map<const Eigen::VectorXd>(values.data(), size);
-}
-
-Result<nlohmann::json> parse_json_file(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) {
-    return fail(ErrorCode::kNotFound, file.string() + ": does not exist");
-  }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file, error)) {
-    return fail(ErrorCode::kIo, file.string() + ": cannot be read; is it a file you may read?");
-  }
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  try {
-    return nlohmann::json::parse(text, RepeatedKeys());
-  } catch (const nlohmann::json::exception& bad) {
-    const std::string what = bad.what();  // "[json.exception.parse_error.101] parse error at ..."
-    const std::size_t id = what.find("] ");
-    return fail(
-        ErrorCode::kInvalidInput,
-        file.string() + ": not JSON: " + (id == std::string::npos ? what : what.substr(id + 2)));
-  } catch (const BadJson& bad) {
-    return fail(ErrorCode::kInvalidInput, file.string() + ": " + bad.message);
-  }
 }
 
 }  // namespace tandem::io

@@ -161,14 +161,10 @@ PlanFile read_plan(const JsonReader& json, const std::filesystem::path& folder) 
 }  // namespace
 
 Result<PlanFile> load_plan(const std::filesystem::path& file) {
-  const Result<nlohmann::json> json = parse_json_file(file);
-  if (!json) return std::unexpected(json.error());
-  try {
+  return read_json(file, [&](const JsonReader& json) {
     const auto folder = std::filesystem::weakly_canonical(std::filesystem::absolute(file));
-    return read_plan(JsonReader(*json, ""), folder.parent_path());
-  } catch (const BadJson& bad) {
-    return fail(ErrorCode::kInvalidInput, file.string() + ": " + bad.message);
-  }
+    return read_plan(json, folder.parent_path());
+  });
 }
 
 }  // namespace tandem::io

@@ -2,6 +2,7 @@
 
 #include "tandem/pipeline/curve.h"
 #include "tandem/pipeline/modules.h"
+#include "tandem/pipeline/path.h"
 
 namespace tandem::pipeline {
 
@@ -67,39 +68,14 @@ Result<Plan> plan_centralized(const collision::SsvChecker& checker, const Resolv
                 ends,           standing_still(cell, ends.start),
                 report};
   }
-  const planning::PathProblem problem{ends.start, ends.goal, cell.lower(), cell.upper()};
-  const auto keep = [&](const char* name, const JointPath& path) {
-    if (options.keep_phases) report.phases.push_back({name, path});
-  };
-  const auto account = [&] {
-    const planning::ValidityStats& stats = modules.validity->stats();
-    report.counts.state_checks = stats.states;
-    report.counts.edge_checks = stats.edges;
-    report.times.distance = stats.seconds + report.times.certificate;
-  };
-
-  Result<JointPath> planned = [&] {
-    ModuleTimer timer(report.times.path_planning);
-    return modules.planner->plan(problem, *modules.validity, options.seed, stop);
-  }();
-  account();
-  if (!planned) return std::unexpected(planned.error());
-  keep("planned", *planned);
-
-  JointPath simplified;
-  {
-    ModuleTimer timer(report.times.simplification);
-    simplified =
-        modules.simplifier->simplify(problem, *planned, *modules.validity, options.seed, stop);
-  }
-  account();
-  keep("simplified", simplified);
-  report.arms = arm_lengths(cell, *planned, simplified);
+  auto found = find_path(checker, modules, ends, options, stop, report);
+  if (!found) return std::unexpected(found.error());
+  report.arms = arm_lengths(cell, found->planned, found->path);
 
   const auto scratch = checker.make_scratch();
   const CurveContext context{checker, selection, *scratch, *modules.timing, stop, report};
-  auto curve = make_curve(context, simplified, modules.repair);
-  account();
+  auto curve = make_curve(context, found->path, modules.repair);
+  account(modules, report);
   if (!curve) return std::unexpected(curve.error());
   return Plan{ends.name, options.strategy,  options.preset, options.seed,
               ends,      std::move(*curve), report};

@@ -4,6 +4,7 @@
 #include "tandem/core/contract.h"
 #include "tandem/pipeline/centralized.h"
 #include "tandem/pipeline/modules.h"
+#include "tandem/pipeline/path.h"
 
 namespace tandem::pipeline {
 
@@ -45,13 +46,13 @@ Result<void> check_end(const collision::SsvChecker& checker, const Eigen::Vector
   return {};
 }
 
+}  // namespace
+
 Result<void> check_ends(const collision::SsvChecker& checker, const ResolvedQuery& query) {
   auto start = check_end(checker, query.start, "start of query '" + query.name + "'");
   if (!start) return start;
   return check_end(checker, query.goal, "goal of query '" + query.name + "'");
 }
-
-}  // namespace
 
 Result<void> check_ends(const world::Workcell& cell, const ResolvedQuery& query) {
   // The checker shares the cell only for the length of this call.

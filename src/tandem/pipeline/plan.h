@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tandem/core/result.h"
+#include "tandem/motion/joint_path.h"
 #include "tandem/motion/piecewise_cubic.h"
 #include "tandem/pipeline/report.h"
 #include "tandem/world/workcell.h"
@@ -50,6 +51,12 @@ struct Plan {
   PlanReport report;
 };
 
+/// A path without timing: waypoints with straight edges between them.
+struct PathPlan {
+  motion::JointPath planned;  ///< As the planner found it.
+  motion::JointPath path;     ///< Simplified.
+};
+
 /// Joint values of a query's ends: named states looked up, poses solved by inverse kinematics with
 /// collision-free solutions only, missing starts taken from the goal of the query before.
 /// @return kInfeasible or kNotFound naming the query, arm, pose and reason.
@@ -68,5 +75,21 @@ Result<Plan> plan(const std::shared_ptr<const world::Workcell>& cell, const worl
                   const PlanOptions& options = {}, PlanReport* report = nullptr);
 Result<Plan> plan(const std::shared_ptr<const world::Workcell>& cell, const ResolvedQuery& query,
                   const PlanOptions& options = {}, PlanReport* report = nullptr);
+
+/// The path of one query, all arms as one robot: planning and simplification alone, so velocities
+/// and accelerations do not matter. With Preset::kDefault every edge passed the continuous-time
+/// certificate, with kPaper samples of it are free: ask certify_path.
+/// @param report  as in `plan`: checking the ends counts as path planning; phases are not kept.
+/// @return kInfeasible naming the end and the joint or touching pair, kNoPath, kTimeout, kCancelled.
+/// Thread-safe. Equal seeds give equal paths.
+Result<PathPlan> plan_path(const std::shared_ptr<const world::Workcell>& cell,
+                           const ResolvedQuery& query, const PlanOptions& options = {},
+                           PlanReport* report = nullptr);
+
+/// The distance [m] that every pair keeps along every edge, a lower bound; padding included.
+/// @return kCollision naming edge, pair and depth if an edge is not free or cannot be proven to be;
+/// kCancelled.
+Result<double> certify_path(const std::shared_ptr<const world::Workcell>& cell,
+                            const motion::JointPath& path, const std::stop_token& token = {});
 
 }  // namespace tandem::pipeline

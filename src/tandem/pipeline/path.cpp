@@ -1,0 +1,126 @@
+#include "tandem/pipeline/path.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "tandem/collision/certificate.h"
+#include "tandem/core/contract.h"
+
+namespace tandem::pipeline {
+
+namespace {
+
+using motion::JointPath;
+
+std::string refusal(const world::Workcell& cell, const collision::Certificate& certificate,
+                    std::size_t edge, std::size_t edges) {
+  const std::string pair = certificate.pair < 0 ? "nothing" : cell.describe_pair(certificate.pair);
+  char text[160];
+  if (certificate.verdict == collision::Verdict::kCollision) {
+    std::snprintf(text, sizeof text, " touch after %.4f of it, %.6f m deep", certificate.time,
+                  certificate.depth);
+  } else {
+    std::snprintf(text, sizeof text, " come too close for a proof after %.4f of it",
+                  certificate.time);
+  }
+  return "edge " + std::to_string(edge) + " of " + std::to_string(edges) + ": " + pair + text;
+}
+
+void expect_query(const world::Workcell& cell, const ResolvedQuery& query) {
+  expects(query.start.size() == cell.dof() && query.goal.size() == cell.dof(),
+          "start and goal must have the cell's number of joints");
+}
+
+}  // namespace
+
+void account(const Modules& modules, PlanReport& report) {
+  const planning::ValidityStats& stats = modules.validity->stats();
+  report.counts.state_checks = stats.states;
+  report.counts.edge_checks = stats.edges;
+  report.times.distance = stats.seconds + report.times.certificate;
+}
+
+Result<PathPlan> find_path(const collision::SsvChecker& checker, const Modules& modules,
+                           const ResolvedQuery& ends, const PlanOptions& options,
+                           const StopCondition& stop, PlanReport& report) {
+  const world::Workcell& cell = checker.cell();
+  const planning::PathProblem problem{ends.start, ends.goal, cell.lower(), cell.upper()};
+  const auto keep = [&](const char* name, const JointPath& path) {
+    if (options.keep_phases) report.phases.push_back({name, path});
+  };
+  Result<JointPath> planned = [&] {
+    ModuleTimer timer(report.times.path_planning);
+    return modules.planner->plan(problem, *modules.validity, options.seed, stop);
+  }();
+  account(modules, report);
+  if (!planned) return std::unexpected(planned.error());
+  keep("planned", *planned);
+
+  PathPlan found{std::move(*planned), {}};
+  {
+    ModuleTimer timer(report.times.simplification);
+    found.path =
+        modules.simplifier->simplify(problem, found.planned, *modules.validity, options.seed, stop);
+  }
+  account(modules, report);
+  keep("simplified", found.path);
+  return found;
+}
+
+Result<PathPlan> find_path(const collision::SsvChecker& checker, const ResolvedQuery& ends,
+                           const PlanOptions& options, PlanReport& report) {
+  report = {};
+  const world::PairSelection selection = checker.cell().select(world::PairScope::all());
+  const StopCondition stop = StopCondition::after(options.deadline, options.token);
+  const Modules modules = make_modules(options.preset, checker, selection, stop);
+  auto found = [&] {
+    ModuleTimer timer(report.times.total);
+    return find_path(checker, modules, ends, options, stop, report);
+  }();
+  if (!found && found.error().code == ErrorCode::kInfeasible) {
+    // The planner says that an end is not valid, this says why.
+    if (auto feasible = check_ends(checker, ends); !feasible) {
+      return std::unexpected(feasible.error());
+    }
+  }
+  return found;
+}
+
+Result<double> certify_path(const collision::SsvChecker& checker, const JointPath& path,
+                            const StopCondition& stop) {
+  expects(path.size() >= 2, "a path has at least two waypoints");
+  const world::PairSelection selection = checker.cell().select(world::PairScope::all());
+  const auto scratch = checker.make_scratch();
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const collision::Certificate certificate = collision::certify(
+        checker, motion::StraightEdge(path[i - 1], path[i]), selection, *scratch, {}, stop);
+    if (certificate.stopped) return std::unexpected(stop.error("certificate of the path"));
+    if (!certificate.is_free()) {
+      return fail(ErrorCode::kCollision, refusal(checker.cell(), certificate, i, path.size() - 1));
+    }
+    least = std::min(least, certificate.least_clearance);
+  }
+  return least;
+}
+
+Result<PathPlan> plan_path(const std::shared_ptr<const world::Workcell>& cell,
+                           const ResolvedQuery& query, const PlanOptions& options,
+                           PlanReport* report) {
+  expects(cell != nullptr, "plan_path needs a workcell");
+  expect_query(*cell, query);
+  expects(options.deadline > 0, "the deadline must be positive");
+  PlanReport own;
+  PlanOptions path_options = options;
+  path_options.keep_phases = false;
+  return find_path(collision::SsvChecker(cell), query, path_options, report ? *report : own);
+}
+
+Result<double> certify_path(const std::shared_ptr<const world::Workcell>& cell,
+                            const JointPath& path, const std::stop_token& token) {
+  expects(cell != nullptr, "certify_path needs a workcell");
+  constexpr double kForever = std::numeric_limits<double>::infinity();
+  return certify_path(collision::SsvChecker(cell), path, StopCondition::after(kForever, token));
+}
+
+}  // namespace tandem::pipeline
