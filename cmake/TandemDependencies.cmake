@@ -2,6 +2,7 @@
 # the comments before changing one.
 find_package(Eigen3 3.4 REQUIRED)
 find_package(Threads REQUIRED)
+find_package(hwy REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(assimp REQUIRED)

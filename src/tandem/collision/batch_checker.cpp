@@ -1,37 +1,96 @@
 #include "tandem/collision/batch_checker.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tandem/collision/batch_work.h"
 #include "tandem/collision/certificate.h"
 #include "tandem/core/contract.h"
 
 namespace tandem::collision {
 
-struct BatchModel {};
-struct BatchPairs {
-  world::PairSelection selection;
-};
-class BatchChecker::Scratch {
- public:
-  std::unique_ptr<CollisionChecker::Scratch> exact;
-};
+namespace {
+
+constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+/// The axes of a standing shape or the half vector of a segment, the same in every lane.
+void place_standing(const BatchShape& shape, LaneRow* rows) {
+  const auto fill = [&](std::size_t first, const float* v, float scale) {
+    for (std::size_t i = 0; i < 3; ++i) std::ranges::fill(rows[first + i].lane, scale * v[i]);
+  };
+  fill(0, shape.p_JC.data(), 1);
+  const bool segment = shape.core == BatchCore::kSegment;
+  for (std::size_t axis = 0; axis < (segment ? 1 : 3); ++axis) {
+    fill(3 + 3 * axis, &shape.R_BJ[3 * axis], segment ? shape.half[0] : 1);
+  }
+}
+
+}  // namespace
+
+BatchChecker::Scratch::Scratch(const BatchChecker& checker)
+    : model(*checker.model_), exact(checker.exact_), exact_scratch(checker.exact_.make_scratch()) {
+  const std::size_t joints = model.joints.size();
+  values.resize(joints);
+  poses.resize(12 * joints);
+  group_centers.resize(3 * joints);
+  body_centers.resize(3 * model.bodies.size());
+  body_time.resize(model.bodies.size());
+  placed_shapes.resize(12 * model.shapes.size());
+  for (const BatchShape& shape : model.shapes) {
+    const bool standing = shape.joint < 0;
+    if (standing) place_standing(shape, &placed_shapes[12 * shape_time.size()]);
+    shape_time.push_back(standing ? kAlways : 0);
+  }
+  value_middle.resize(joints);
+  value_half.resize(joints);
+  deviation.resize(joints);
+  turn.resize(joints);
+  travel.resize(joints * index(model.depth));
+  edge_a.resize(model.dof);
+  edge_b.resize(model.dof);
+  q_.resize(model.dof);
+  one_pair_.resize(1);
+}
+
+bool BatchChecker::Scratch::touches_exactly(int pair, int lane) {
+  if (Q) {
+    q_ = Eigen::Map<const Eigen::VectorXd>(Q + std::min(lane, count - 1) * stride, model.dof);
+  } else {
+    const double t = 0.5 * (1.0 + s[lane]);
+    q_ = (1 - t) * edge_a + t * edge_b;
+  }
+  one_pair_[0] = pair;
+  return !exact.is_free(q_, one_pair_, *exact_scratch);
+}
 
 void BatchChecker::ScratchDeleter::operator()(Scratch* scratch) const { delete scratch; }
 
 BatchChecker::BatchChecker(const SsvChecker& exact)
-    : exact_(exact), model_(std::make_unique<const BatchModel>()) {}
+    : exact_(exact), model_(std::make_unique<const BatchModel>(exact.cell())) {}
+
 BatchChecker::~BatchChecker() = default;
 
 BatchChecker::Pairs BatchChecker::compile(const world::PairSelection& selection) const {
-  return std::make_shared<const BatchPairs>(BatchPairs{selection});
+  return std::make_shared<const BatchPairs>(compile_pairs(*model_, cell(), selection));
 }
 
 BatchChecker::ScratchPtr BatchChecker::make_scratch() const {
-  return ScratchPtr(new Scratch{exact_.make_scratch()});
+  return ScratchPtr(new Scratch(*this));
 }
 
 bool BatchChecker::are_free(const Eigen::Ref<const Eigen::MatrixXd>& Q, const BatchPairs& pairs,
                             Scratch& scratch) const {
-  for (Eigen::Index i = 0; i < Q.cols(); ++i) {
-    if (!exact_.is_free(Q.col(i), pairs.selection, *scratch.exact)) return false;
+  expects(pairs.model == model_.get() && &scratch.model == model_.get(),
+          "pairs and scratch were made by this checker");
+  expects(Q.rows() == model_->dof, "Q has a row per joint of the cell's arms");
+  expects(Q.allFinite(), "Q is finite");
+  const int lanes = batch_lanes();
+  scratch.stride = Q.outerStride();
+  for (Eigen::Index first = 0; first < Q.cols(); first += lanes) {
+    scratch.Q = Q.data() + first * scratch.stride;
+    scratch.count = static_cast<int>(std::min<Eigen::Index>(lanes, Q.cols() - first));
+    if (!is_block_free(pairs, scratch)) return false;
   }
   return true;
 }
@@ -39,20 +98,79 @@ bool BatchChecker::are_free(const Eigen::Ref<const Eigen::MatrixXd>& Q, const Ba
 bool BatchChecker::is_edge_free(const Eigen::Ref<const Eigen::VectorXd>& a,
                                 const Eigen::Ref<const Eigen::VectorXd>& b, const BatchPairs& pairs,
                                 Scratch& scratch, const StopCondition& stop) const {
-  return prove_edge(a, b, pairs, scratch, stop).is_free;
+  return examine(a, b, pairs, false, scratch, stop).is_free;
 }
 
 EdgeProof BatchChecker::prove_edge(const Eigen::Ref<const Eigen::VectorXd>& a,
                                    const Eigen::Ref<const Eigen::VectorXd>& b,
                                    const BatchPairs& pairs, Scratch& scratch,
                                    const StopCondition& stop) const {
-  const bool forward = std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
-  const motion::StraightEdge edge =
-      forward ? motion::StraightEdge(a, b) : motion::StraightEdge(b, a);
-  const Certificate certificate = certify(exact_, edge, pairs.selection, *scratch.exact, {}, stop);
-  return {certificate.is_free(), std::min(certificate.least_clearance, kClearanceCap)};
+  return examine(a, b, pairs, true, scratch, stop);
 }
 
-double BatchChecker::margin() const { return 0; }
+EdgeProof BatchChecker::examine(const Eigen::Ref<const Eigen::VectorXd>& a,
+                                const Eigen::Ref<const Eigen::VectorXd>& b, const BatchPairs& pairs,
+                                bool want_clearance, Scratch& work,
+                                const StopCondition& stop) const {
+  expects(pairs.model == model_.get() && &work.model == model_.get(),
+          "pairs and scratch were made by this checker");
+  expects(a.size() == model_->dof && b.size() == model_->dof,
+          "both ends of an edge have one entry per joint of the cell's arms");
+  expects(a.allFinite() && b.allFinite(), "the ends of an edge are finite");
+  // One direction for both, or rounding could tell them apart.
+  const bool forward = !std::lexicographical_compare(b.begin(), b.end(), a.begin(), a.end());
+  work.edge_a = forward ? a : b;
+  work.edge_b = forward ? b : a;
+  work.Q = nullptr;
+  for (const int j : pairs.joints) {
+    const BatchJoint& joint = model_->joints[index(j)];
+    const double at_a = joint.multiplier * work.edge_a[joint.column] + joint.offset;
+    const double at_b = joint.multiplier * work.edge_b[joint.column] + joint.offset;
+    work.value_middle[index(j)] = 0.5 * (at_a + at_b);
+    work.value_half[index(j)] = 0.5 * (at_b - at_a);
+  }
+  switch (examine_edge(pairs, want_clearance, work)) {
+    case EdgeFinding::kNotFree:
+      return {};
+    case EdgeFinding::kFree:
+      return {true, static_cast<double>(work.least_clearance)};
+    case EdgeFinding::kOpen:
+      break;
+  }
+  return prove_exactly(pairs, work, stop);
+}
+
+/// Asks the exact certificate about the parts of the edge and the pairs that are left.
+EdgeProof BatchChecker::prove_exactly(const BatchPairs& pairs, Scratch& work,
+                                      const StopCondition& stop) const {
+  world::PairSelection selection;
+  for (const int i : work.pending) {
+    const BatchItem& item = pairs.items[index(i)];
+    for (int k = item.first; k < item.first + item.count; ++k) {
+      selection.push_back(pairs.body_pairs[index(k)].pair);
+    }
+  }
+  const motion::StraightEdge edge(work.edge_a, work.edge_b);
+  // Parts are ordered within a block only; neighbours are proven together.
+  std::ranges::sort(work.parts, {}, &EdgePart::middle);
+  // Parts are placed to single precision.
+  const double half = work.half_length * (1 + 1e-3) + 1e-6;
+  double least = kClearanceCap;
+  for (std::size_t i = 0; i < work.parts.size();) {
+    const double begin = work.parts[i].middle - half;
+    double end = work.parts[i].middle + half;
+    for (++i; i < work.parts.size() && work.parts[i].middle - half <= end; ++i) {
+      end = work.parts[i].middle + half;
+    }
+    const Certificate certificate =
+        certify_interval(exact_, edge, std::max(0.0, 0.5 * (1 + begin)),
+                         std::min(1.0, 0.5 * (1 + end)), selection, *work.exact_scratch, {}, stop);
+    if (!certificate.is_free()) return {};
+    least = std::min(least, certificate.least_clearance);
+  }
+  return {true, std::min(least, static_cast<double>(work.least_clearance))};
+}
+
+double BatchChecker::margin() const { return static_cast<double>(model_->margin); }
 
 }  // namespace tandem::collision

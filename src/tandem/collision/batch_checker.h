@@ -38,7 +38,7 @@ class BatchChecker {
   /// A selection of pairs, compiled: immutable, share it between threads.
   using Pairs = std::shared_ptr<const BatchPairs>;
 
-  static constexpr double kClearanceCap = 0.1;  ///< [m]
+  static constexpr double kClearanceCap = 0.02;  ///< [m]
 
   /// @param exact  decides what single precision cannot; must outlive the checker.
   explicit BatchChecker(const SsvChecker& exact);
@@ -49,7 +49,8 @@ class BatchChecker {
   const SsvChecker& exact() const { return exact_; }
   const world::Workcell& cell() const { return exact_.cell(); }
 
-  /// Pairs that no configuration inside the joint limits brings together are left out.
+  /// Pairs that no configuration inside the joint limits brings nearer than kClearanceCap are left
+  /// out.
   Pairs compile(const world::PairSelection& selection) const;
   Pairs compile(const world::PairScope& scope) const { return compile(cell().select(scope)); }
   ScratchPtr make_scratch() const;
@@ -74,6 +75,12 @@ class BatchChecker {
   double margin() const;
 
  private:
+  EdgeProof examine(const Eigen::Ref<const Eigen::VectorXd>& a,
+                    const Eigen::Ref<const Eigen::VectorXd>& b, const BatchPairs& pairs,
+                    bool want_clearance, Scratch& scratch, const StopCondition& stop) const;
+  EdgeProof prove_exactly(const BatchPairs& pairs, Scratch& scratch,
+                          const StopCondition& stop) const;
+
   const SsvChecker& exact_;
   std::unique_ptr<const BatchModel> model_;
 };

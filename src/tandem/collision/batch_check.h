@@ -1,0 +1,164 @@
+// Questions about one block of configurations. Compiled once per instruction set; private to
+// batch_kernels.cpp.
+#if defined(TANDEM_COLLISION_BATCH_CHECK_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TANDEM_COLLISION_BATCH_CHECK_H
+#undef TANDEM_COLLISION_BATCH_CHECK_H
+#else
+#define TANDEM_COLLISION_BATCH_CHECK_H
+#endif
+
+#include <bit>
+
+#include "tandem/collision/batch_gap.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tandem::collision::HWY_NAMESPACE {
+
+/// Whether anything touches in any lane, from groups down to shapes.
+class BlockChecker {
+ public:
+  BlockChecker(const BatchPairs& pairs, BatchChecker::Scratch& work)
+      : pairs_(pairs),
+        work_(work),
+        model_(work.model),
+        placement_(work),
+        gaps_(model_, placement_) {}
+
+  Placement& placement() { return placement_; }
+  Gaps& gaps() { return gaps_; }
+
+  /// Squared distance of the group's centre from the standing body's box.
+  HWY_INLINE V StandingGap(const BatchItem& item, const V3& center) const {
+    return PointBox(center - Fill(item.center), Fill(item.half));
+  }
+  HWY_INLINE V ItemGap(const BatchItem& item) const {
+    const V3 center = placement_.GroupCenter(item.group_a);
+    if (item.group_b < 0) return StandingGap(item, center);
+    const V3 r = center - placement_.GroupCenter(item.group_b);
+    return Dot(r, r);
+  }
+
+  /// Whether an item touches in any lane.
+  bool Touches(const BatchItem& item) {
+    return hn::AllTrue(kFloats, hn::Gt(ItemGap(item), Fill(item.reach * item.reach)))
+               ? false
+               : Descend(item);
+  }
+
+  /// The same where the spheres around the groups do not tell.
+  HWY_NOINLINE bool Descend(const BatchItem& item) {
+    for (int i = item.first; i < item.first + item.count; ++i) {
+      const BatchBodyPair& pair = pairs_.body_pairs[static_cast<std::size_t>(i)];
+      if (item.group_b < 0 ? TouchesStanding(item, pair) : TouchesMoving(pair)) return true;
+    }
+    return false;
+  }
+
+ private:
+  const BatchBody& BodyAt(int body) const { return model_.bodies[static_cast<std::size_t>(body)]; }
+
+  /// Whether squared distances are all beyond a sum of radii.
+  HWY_INLINE static bool Apart(V squared, float reach) {
+    return All(hn::Gt(squared, Fill(reach * reach)));
+  }
+
+  bool TouchesStanding(const BatchItem& item, const BatchBodyPair& pair) {
+    const BatchBody& body = BodyAt(pair.a);
+    const V3 center = placement_.BodyCenter(pair.a);
+    const float radius = body.sphere.radius;
+    if (model_.group_sizes[static_cast<std::size_t>(body.joint)] > 1 &&
+        Apart(StandingGap(item, center), radius + BodyAt(pair.b).outer)) {
+      return false;
+    }
+    unsigned resolved = 0;
+    for (int i = pair.first_shape; i < pair.first_shape + pair.shape_count; ++i) {
+      const int other = pairs_.standing_shapes[static_cast<std::size_t>(i)];
+      if (Apart(gaps_.PointTo(center, other), radius + gaps_.ShapeAt(other).outer)) continue;
+      for (int s = body.first_shape; s < body.first_shape + body.shape_count; ++s) {
+        if (TouchesShape(s, other, pair.pair, resolved)) return true;
+      }
+    }
+    return false;
+  }
+
+  bool TouchesMoving(const BatchBodyPair& pair) {
+    const BatchBody& a = BodyAt(pair.a);
+    const BatchBody& b = BodyAt(pair.b);
+    const V3 center_a = placement_.BodyCenter(pair.a), center_b = placement_.BodyCenter(pair.b);
+    const V3 r = center_a - center_b;
+    if (Apart(Dot(r, r), a.sphere.radius + b.sphere.radius)) return false;
+    unsigned resolved = 0;
+    for (int s = a.first_shape; s < a.first_shape + a.shape_count; ++s) {
+      if (a.shape_count > 1 &&
+          Apart(gaps_.PointTo(center_b, s), b.sphere.radius + gaps_.ShapeAt(s).outer)) {
+        continue;
+      }
+      for (int t = b.first_shape; t < b.first_shape + b.shape_count; ++t) {
+        if (TouchesShape(s, t, pair.pair, resolved)) return true;
+      }
+    }
+    return false;
+  }
+
+  /// @param resolved  lanes in which the exact checker found the bodies apart.
+  HWY_INLINE bool TouchesShape(int a, int b, int pair, unsigned& resolved) {
+    const BatchShape& shape_a = gaps_.ShapeAt(a);
+    const float outer = shape_a.outer + gaps_.ShapeAt(b).outer;
+    if (shape_a.core != BatchCore::kPoint &&
+        Apart(gaps_.PointTo(gaps_.Center(a), b), outer + shape_a.circumradius)) {
+      return false;
+    }
+    const Gap gap = gaps_.Between(a, b);
+    const Mask near = hn::Le(gap.squared, Fill(outer * outer));
+    if (None(near)) return false;
+    if (!None(hn::Lt(gap.squared, Fill(gap.touch_below)))) return true;
+    for (unsigned lanes = Bits(near) & ~resolved; lanes != 0; lanes &= lanes - 1) {
+      if (work_.touches_exactly(pair, std::countr_zero(lanes))) return true;
+    }
+    resolved |= Bits(near);
+    return false;
+  }
+
+  const BatchPairs& pairs_;
+  BatchChecker::Scratch& work_;
+  const BatchModel& model_;
+  Placement placement_;
+  Gaps gaps_;
+};
+
+/// Whether the configurations that Scratch::values holds are free.
+bool IsPlacedBlockFree(const BatchPairs& pairs, BatchChecker::Scratch& work) {
+  BlockChecker checker(pairs, work);
+  checker.placement().Place(pairs);
+  const auto hit = [&](std::size_t item) HWY_ATTR {
+    if (!checker.Touches(pairs.items[item])) return false;
+    work.last_hit = static_cast<int>(item);
+    return true;
+  };
+  if (const auto last = static_cast<std::size_t>(work.last_hit);
+      last < pairs.items.size() && hit(last)) {
+    return false;
+  }
+  for (std::size_t i = 0; i < pairs.items.size(); ++i) {
+    if (hit(i)) return false;
+  }
+  return true;
+}
+
+bool IsBlockFree(const BatchPairs& pairs, BatchChecker::Scratch& work) {
+  const BatchModel& model = work.model;
+  for (const int j : pairs.joints) {
+    const BatchJoint& joint = model.joints[static_cast<std::size_t>(j)];
+    LaneRow& row = work.values[static_cast<std::size_t>(j)];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const double q = work.Q[std::min(lane, work.count - 1) * work.stride + joint.column];
+      row.lane[lane] = static_cast<float>(joint.multiplier * q + joint.offset);
+    }
+  }
+  return IsPlacedBlockFree(pairs, work);
+}
+
+}  // namespace tandem::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,223 @@
+// Distances of cores. Compiled once per instruction set; private to batch_kernels.cpp.
+#if defined(TANDEM_COLLISION_BATCH_GAP_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef TANDEM_COLLISION_BATCH_GAP_H
+#undef TANDEM_COLLISION_BATCH_GAP_H
+#else
+#define TANDEM_COLLISION_BATCH_GAP_H
+#endif
+
+#include "tandem/collision/batch_place.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tandem::collision::HWY_NAMESPACE {
+
+// Distances are squared, with their sign.
+
+/// Of a point, seen from the box.
+HWY_INLINE V PointBox(const V3& p, const V3& half) {
+  const V zero = hn::Zero(kFloats);
+  const V ex = hn::Max(hn::Sub(hn::Abs(p.x), half.x), zero);
+  const V ey = hn::Max(hn::Sub(hn::Abs(p.y), half.y), zero);
+  const V ez = hn::Max(hn::Sub(hn::Abs(p.z), half.z), zero);
+  return hn::MulAdd(ez, ez, hn::MulAdd(ey, ey, Square(ex)));
+}
+
+/// Of a point, seen from a cylinder with x along its axis.
+HWY_INLINE V PointCylinder(const V3& p, const V3& half) {
+  const V zero = hn::Zero(kFloats);
+  const V along = hn::Max(hn::Sub(hn::Abs(p.x), half.x), zero);
+  const V from_axis = hn::Sqrt(hn::MulAdd(p.y, p.y, Square(p.z)));
+  const V across = hn::Max(hn::Sub(from_axis, half.y), zero);
+  return hn::MulAdd(across, across, Square(along));
+}
+
+/// Guards a division: squares of lengths far below any shape's.
+HWY_INLINE V Positive(V squared) { return hn::Max(squared, Fill(1e-30F)); }
+
+/// Of a point r from the centre of a segment with half vector u.
+HWY_INLINE V PointSegment(const V3& r, const V3& u) {
+  const V t = Clamp(hn::Div(Dot(r, u), Positive(Dot(u, u))), Fill(1));
+  const V3 e = MulAdd3(hn::Neg(t), u, r);
+  return Dot(e, e);
+}
+
+/// Of two segments with half vectors u and v; r leads from the centre of the second to the first.
+/// Ref: Ericson, Real-time collision detection (2005), 5.1.9.
+HWY_INLINE V SegmentSegment(const V3& r, const V3& u, const V3& v) {
+  const V uu = Positive(Dot(u, u)), vv = Positive(Dot(v, v)), uv = Dot(u, v);
+  const V ur = Dot(u, r), vr = Dot(v, r), one = Fill(1);
+  const V determinant = Positive(hn::NegMulAdd(uv, uv, hn::Mul(uu, vv)));
+  V s = Clamp(hn::Div(hn::NegMulAdd(ur, vv, hn::Mul(uv, vr)), determinant), one);
+  const V t = Clamp(hn::Div(hn::MulAdd(s, uv, vr), vv), one);
+  s = Clamp(hn::Div(hn::MulSub(t, uv, ur), uu), one);
+  const V3 e = MulAdd3(hn::Neg(t), v, MulAdd3(s, u, r));
+  return Dot(e, e);
+}
+
+/// Half the derivative of the squared distance of the point c + t u to a box.
+HWY_INLINE V BoxSlope(const V3& c, const V3& u, const V3& half, V t) {
+  const V3 p = MulAdd3(t, u, c);
+  const V ex = hn::Sub(p.x, Clamp(p.x, half.x));
+  const V ey = hn::Sub(p.y, Clamp(p.y, half.y));
+  const V ez = hn::Sub(p.z, Clamp(p.z, half.z));
+  return hn::MulAdd(u.z, ez, hn::MulAdd(u.y, ey, hn::Mul(u.x, ex)));
+}
+
+/// Of the segment {c + t u, |t| <= 1}, seen from the box. The squared distance is convex and
+/// piecewise quadratic in t with breaks at the faces' planes: its derivative is bracketed between
+/// breaks, where it is linear.
+HWY_INLINE V SegmentBox(const V3& c, const V3& u, const V3& half) {
+  V low = Fill(-1), high = Fill(1);
+  V at_low = BoxSlope(c, u, half, low), at_high = BoxSlope(c, u, half, high);
+  const V zero = hn::Zero(kFloats);
+  const Mask ends_low = hn::Ge(at_low, zero), ends_high = hn::Le(at_high, zero);
+  const auto narrow = [&](V t) HWY_ATTR {
+    const V at_t = BoxSlope(c, u, half, t);
+    const Mask inside = hn::And(hn::Gt(t, low), hn::Lt(t, high));
+    const Mask below = hn::Lt(at_t, zero);
+    const Mask to_low = hn::And(inside, below), to_high = hn::AndNot(below, inside);
+    low = hn::IfThenElse(to_low, t, low);
+    at_low = hn::IfThenElse(to_low, at_t, at_low);
+    high = hn::IfThenElse(to_high, t, high);
+    at_high = hn::IfThenElse(to_high, at_t, at_high);
+  };
+  const auto both_sides = [&](V cx, V ux, V hx) HWY_ATTR {
+    const V inverse = hn::Div(Fill(1), ux);  // Infinite where parallel: no break is inside.
+    narrow(hn::Mul(hn::Sub(hx, cx), inverse));
+    narrow(hn::Mul(hn::Sub(hn::Neg(hx), cx), inverse));
+  };
+  both_sides(c.x, u.x, half.x);
+  both_sides(c.y, u.y, half.y);
+  both_sides(c.z, u.z, half.z);
+  const V rise = Positive(hn::Sub(at_high, at_low));
+  V t = hn::NegMulAdd(hn::Div(at_low, rise), hn::Sub(high, low), low);
+  t = hn::IfThenElse(ends_low, Fill(-1), hn::IfThenElse(ends_high, Fill(1), t));
+  return PointBox(MulAdd3(t, u, c), half);
+}
+
+/// A box as three unit axes and half edges.
+struct Box {
+  V3 x, y, z, half;
+};
+
+/// How far planes normal to n hold two boxes apart, times |n|; r from the centre of B to that of A.
+HWY_INLINE V Slit(const V3& n, const V3& r, const Box& a, const Box& b) {
+  const auto extent = [&](const Box& box) HWY_ATTR {
+    return hn::MulAdd(box.half.z, hn::Abs(Dot(n, box.z)),
+                      hn::MulAdd(box.half.y, hn::Abs(Dot(n, box.y)),
+                                 hn::Mul(box.half.x, hn::Abs(Dot(n, box.x)))));
+  };
+  return hn::Sub(hn::Abs(Dot(n, r)), hn::Add(extent(a), extent(b)));
+}
+
+/// A lower bound of the distance of two boxes, negative only where they overlap.
+/// Ref: Gottschalk, Lin, Manocha, OBBTree (1996).
+HWY_NOINLINE V BoxBox(const V3& r, const Box& a, const Box& b) {
+  const V3* axes_a[] = {&a.x, &a.y, &a.z};
+  const V3* axes_b[] = {&b.x, &b.y, &b.z};
+  V most = Fill(-1e30F);
+  for (const V3* n : axes_a) most = hn::Max(most, Slit(*n, r, a, b));
+  for (const V3* n : axes_b) most = hn::Max(most, Slit(*n, r, a, b));
+  // Where edges are nearly parallel their normal is mostly noise. It may be all that separates the
+  // boxes, so that without it an overlap is not sure.
+  constexpr float kLeastSine = 0.0625F;
+  Mask skipped = hn::MaskFromVec(hn::Zero(kFloats));
+  for (const V3* na : axes_a) {
+    for (const V3* nb : axes_b) {
+      const V3 n = Cross(*na, *nb);
+      const V squared = Dot(n, n);
+      const Mask noise = hn::Lt(squared, Fill(kLeastSine * kLeastSine));
+      const V slit = hn::Div(Slit(n, r, a, b), hn::Sqrt(Positive(squared)));
+      most = hn::IfThenElse(noise, most, hn::Max(most, slit));
+      skipped = hn::Or(skipped, noise);
+    }
+  }
+  most = hn::IfThenElse(skipped, hn::Max(most, hn::Zero(kFloats)), most);
+  return hn::Mul(most, hn::Abs(most));
+}
+
+/// What is known of the distance of two cores.
+struct Gap {
+  V squared;          ///< [m^2] lower bound, with its sign.
+  float touch_below;  ///< [m^2] Where it is less, the shapes touch for sure.
+};
+
+/// Distances of placed shapes.
+class Gaps {
+ public:
+  Gaps(const BatchModel& model, Placement& placement) : model_(model), placement_(placement) {}
+
+  const BatchShape& ShapeAt(int shape) const {
+    return model_.shapes[static_cast<std::size_t>(shape)];
+  }
+  HWY_INLINE V3 Center(int shape) { return Load3(placement_.Shape(shape)); }
+
+  /// Of a point in C to a core, or to the box around an opaque one.
+  HWY_INLINE V PointTo(const V3& p, int b) {
+    const BatchShape& shape_b = ShapeAt(b);
+    switch (shape_b.core) {
+      case BatchCore::kPoint: {
+        const V3 r = p - Center(b);
+        return Dot(r, r);
+      }
+      case BatchCore::kSegment:
+        return PointSegment(p - Center(b), Load3(placement_.Shape(b) + 3));
+      case BatchCore::kCylinder:
+        return PointCylinder(PointInBox(p, b), Fill(shape_b.half));
+      default:
+        return PointBox(PointInBox(p, b), Fill(shape_b.half));
+    }
+  }
+
+  /// Of two cores, the simpler one first.
+  HWY_NOINLINE Gap Between(int a, int b) {
+    const BatchShape& shape_a = ShapeAt(a);
+    const BatchShape& shape_b = ShapeAt(b);
+    if (shape_a.core > shape_b.core) return Between(b, a);
+    const float inner = shape_a.inner + shape_b.inner;
+    const float touch = inner > 0 ? inner * inner : kNever;
+    const V3 p = Center(a);
+    if (shape_a.core == BatchCore::kPoint) {
+      return {PointTo(p, b), shape_b.core == BatchCore::kOpaque ? kNever : touch};
+    }
+    if (shape_a.core == BatchCore::kSegment) {
+      return {SegmentTo(p, Load3(placement_.Shape(a) + 3), b),
+              shape_b.core <= BatchCore::kBox ? touch : kNever};
+    }
+    const float margin = 0.5F * (shape_a.outer - shape_a.inner + shape_b.outer - shape_b.inner);
+    const bool boxes = shape_a.core == BatchCore::kBox && shape_b.core == BatchCore::kBox;
+    return {BoxBox(p - Center(b), BoxOf(a), BoxOf(b)), boxes ? -margin * margin : kNever};
+  }
+
+ private:
+  static constexpr float kNever = -std::numeric_limits<float>::infinity();
+
+  HWY_INLINE V3 DirectionInBox(const V3& v, int shape) {
+    if (ShapeAt(shape).aligned) return v;
+    const LaneRow* rows = placement_.Shape(shape);
+    return {Dot(Load3(rows + 3), v), Dot(Load3(rows + 6), v), Dot(Load3(rows + 9), v)};
+  }
+  HWY_INLINE V3 PointInBox(const V3& p, int shape) {
+    const BatchShape& box = ShapeAt(shape);
+    if (box.aligned) return p - Fill(box.p_JC);
+    return DirectionInBox(p - Center(shape), shape);
+  }
+  HWY_INLINE Box BoxOf(int shape) {
+    const LaneRow* rows = placement_.Shape(shape);
+    return {Load3(rows + 3), Load3(rows + 6), Load3(rows + 9), Fill(ShapeAt(shape).half)};
+  }
+  HWY_INLINE V SegmentTo(const V3& p, const V3& u, int b) {
+    if (ShapeAt(b).core == BatchCore::kSegment) {
+      return SegmentSegment(p - Center(b), u, Load3(placement_.Shape(b) + 3));
+    }
+    return SegmentBox(PointInBox(p, b), DirectionInBox(u, b), Fill(ShapeAt(b).half));
+  }
+
+  const BatchModel& model_;
+  Placement& placement_;
+};
+
+}  // namespace tandem::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

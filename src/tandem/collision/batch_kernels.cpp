@@ -1,0 +1,40 @@
+// The batch checker's kernels, compiled once per instruction set and chosen at run time.
+
+#include "tandem/collision/batch_work.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "tandem/collision/batch_kernels.cpp"
+#include <hwy/foreach_target.h>  // Includes this file again for each instruction set.
+//
+#include <hwy/highway.h>
+
+#include "tandem/collision/batch_edge.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace tandem::collision::HWY_NAMESPACE {
+
+int LaneCount() { return kLanes; }
+
+}  // namespace tandem::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace tandem::collision {
+
+HWY_EXPORT(LaneCount);
+HWY_EXPORT(IsBlockFree);
+HWY_EXPORT(ExamineEdge);
+
+int batch_lanes() { return HWY_DYNAMIC_DISPATCH(LaneCount)(); }
+
+bool is_block_free(const BatchPairs& pairs, BatchChecker::Scratch& work) {
+  return HWY_DYNAMIC_DISPATCH(IsBlockFree)(pairs, work);
+}
+
+EdgeFinding examine_edge(const BatchPairs& pairs, bool want_clearance,
+                         BatchChecker::Scratch& work) {
+  return HWY_DYNAMIC_DISPATCH(ExamineEdge)(pairs, want_clearance, work);
+}
+
+}  // namespace tandem::collision
+#endif  // HWY_ONCE

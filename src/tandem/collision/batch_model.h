@@ -1,0 +1,131 @@
+#pragma once
+/// What the batch checker, its compiler and its kernels share. Private to this folder.
+///
+/// Everything is seen from frame C: its origin lies amid the robots, so that single precision is
+/// spent where they move, and its axes are those of most standing boxes, so that these are
+/// axis-aligned.
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tandem/collision/batch_checker.h"
+
+namespace tandem::collision {
+
+using Vector3f3 = std::array<float, 3>;
+
+/// A joint that an arm moves, with everything rigid below it, turning about (or sliding along) z of
+/// its frame J. Joint -1 is the world, J = C. Parents come first.
+struct BatchJoint {
+  int parent;
+  int depth;   ///< Joints from the world up to here, this one included.
+  int column;  ///< Of q: the joint's value is multiplier * q[column] + offset.
+  bool prismatic;
+  double multiplier, offset;
+  double lower, upper;        ///< Limits of the value.
+  Eigen::Isometry3d X_PJ;     ///< At value 0.
+  std::array<float, 9> R_PJ;  ///< The same by columns,
+  Vector3f3 p_PJ;
+};
+
+/// A sphere that contains a node of the hierarchy, the margin included.
+struct BatchSphere {
+  Vector3f3 p_JC;
+  float radius;
+};
+
+/// Which kernel tells the exact distance of a core. Opaque ones have only the box around them.
+enum class BatchCore : std::uint8_t { kPoint, kSegment, kBox, kCylinder, kOpaque };
+
+/// A padded shape as a rounded box: tight around the core along its own axes.
+struct BatchShape {
+  BatchCore core;
+  bool aligned;  ///< Stands still, with the axes of C: of a segment or box.
+  int joint;
+  Vector3f3 p_JC;             ///< Centre of the box.
+  std::array<float, 9> R_BJ;  ///< Its axes are rows; a segment lies along the first.
+  Vector3f3 half;             ///< [m]
+  float outer, inner;         ///< Radius plus and minus the margin [m].
+  float circumradius;         ///< Of the core's box about its centre [m].
+  float bound() const { return circumradius + outer; }
+};
+
+struct BatchBody {
+  int joint;
+  int first_shape, shape_count;
+  BatchSphere sphere;
+  /// Standing bodies: the box along C's axes around all cores, and their largest radius.
+  Vector3f3 p_CB{}, half{};
+  float outer = 0;
+};
+
+struct BatchModel {
+  std::vector<BatchJoint> joints;
+  std::vector<BatchShape> shapes;
+  std::vector<BatchBody> bodies;
+  std::vector<BatchSphere>
+      groups;                    ///< By joint: around all bodies rigid with it; radius < 0: none.
+  std::vector<int> group_sizes;  ///< Bodies of each.
+  /// By joint, then by depth of the joints above: most distance of the group's centre to their
+  /// axes [m], over all configurations inside the limits (prismatic: 1).
+  std::vector<float> levers;
+  int depth = 0;  ///< Of the deepest joint.
+  int dof = 0;
+  float margin = 0;  ///< [m]
+  Eigen::Isometry3d X_CW;
+
+  BatchModel(const world::Workcell& cell);
+  int common_joint(int a, int b) const;
+  int depth_of(int joint) const {
+    return joint < 0 ? 0 : joints[static_cast<std::size_t>(joint)].depth;
+  }
+};
+
+/// One pair of bodies of an item; of a standing body the shapes that the other one may reach.
+struct BatchBodyPair {
+  int pair;                      ///< Of the cell.
+  int a, b;                      ///< Bodies; where one stands still it is b.
+  int first_shape, shape_count;  ///< In BatchPairs::standing_shapes.
+};
+
+/// Pairs between a group and a standing body, or between two groups.
+struct BatchItem {
+  int group_a, group_b;  ///< Joints; group_b = -1: body `standing`.
+  int standing;
+  int common, shared;          ///< Last joint above both, and its depth.
+  float reach;                 ///< Sum of radii [m].
+  int first, count;            ///< In BatchPairs::body_pairs.
+  Vector3f3 center{}, half{};  ///< Of the standing body's box.
+};
+
+struct BatchPairs {
+  const BatchModel* model;
+  std::vector<int> joints;         ///< Those to place, parents first.
+  std::vector<BatchItem> items;    ///< First those with the world,
+  std::size_t standing_items = 0;  ///< so many of them.
+  std::vector<BatchBodyPair> body_pairs;
+  std::vector<int> standing_shapes;
+};
+
+BatchPairs compile_pairs(const BatchModel& model, const world::Workcell& cell,
+                         const world::PairSelection& selection);
+
+/// Whether the group or body of sphere `node` at `joint`, moved by the joints below `common`, may
+/// come within kClearanceCap of a shape that stands still in the frame of `common`. Never wrongly
+/// false.
+bool may_touch(const BatchModel& model, int joint, int common, const BatchSphere& node,
+               const geometry::Shape& shape_P);
+
+/// Fills BatchModel::levers.
+void bound_levers(BatchModel& model);
+
+/// A nearly smallest sphere around spheres. Ref: Badoiu, Clarkson (2003).
+struct Ball {
+  Eigen::Vector3d center;
+  double radius;
+};
+Ball enclosing_ball(const std::vector<Ball>& balls);
+
+}  // namespace tandem::collision

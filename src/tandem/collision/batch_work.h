@@ -1,0 +1,87 @@
+#pragma once
+/// The batch checker's work space. Private to this folder.
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "tandem/collision/batch_model.h"
+
+namespace tandem::collision {
+
+/// Most configurations in one vector. Rows are this long for every instruction set.
+inline constexpr int kMostLanes = 8;
+
+struct alignas(sizeof(float) * kMostLanes) LaneRow {
+  float lane[kMostLanes] = {};
+};
+
+/// Part of an edge, seen from its middle configuration at s = 0; the ends are s = -1 and s = 1.
+struct EdgePart {
+  double middle;
+};
+
+/// One block of configurations as placed, and what is left to prove of an edge.
+class BatchChecker::Scratch {
+ public:
+  explicit Scratch(const BatchChecker& checker);
+
+  /// Whether a pair of bodies touches in a lane, by the exact checker.
+  bool touches_exactly(int pair, int lane);
+
+  const BatchModel& model;
+  const SsvChecker& exact;
+  const std::unique_ptr<CollisionChecker::Scratch> exact_scratch;
+
+  // The placement. What is placed when first asked for has the time it was placed at.
+  static constexpr std::uint32_t kAlways = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t now = 0;
+  std::vector<LaneRow> values;         ///< Of joints.
+  std::vector<LaneRow> poses;          ///< Of joints: x, y, z axes and origin in C, 12 rows each.
+  std::vector<LaneRow> group_centers;  ///< 3 rows each, as for bodies.
+  std::vector<LaneRow> body_centers;
+  /// 12 rows each: centre, then the half vector of a segment or the axes of the box.
+  std::vector<LaneRow> placed_shapes;
+  std::vector<std::uint32_t> body_time, shape_time;
+
+  // Where the lanes are: columns of Q, or on an edge at s.
+  const double* Q = nullptr;
+  Eigen::Index stride = 0;
+  int count = 0;  ///< Columns; lanes past them hold the last one.
+  Eigen::VectorXd edge_a, edge_b;
+  double s[kMostLanes] = {};
+
+  // The edge: values are middle + s * half.
+  std::vector<double> value_middle, value_half;
+  std::vector<float> deviation;  ///< Of a joint's value per unit of s, upwards.
+  std::vector<float> turn;       ///< The same summed over the turning joints down to this one.
+  std::vector<float> travel;     ///< Of a group's centre per unit of s by the joints below a depth.
+  std::vector<int> pending, next_pending;   ///< Items not proven yet, and
+  std::vector<EdgePart> parts, next_parts;  ///< where; all of one length:
+  double half_length = 0;                   ///< [s]
+  float least_clearance = 0;                ///< [m]
+
+  int last_hit = -1;  ///< Item: neighbouring questions tend to collide in the same one.
+
+ private:
+  Eigen::VectorXd q_;
+  world::PairSelection one_pair_;
+};
+
+/// What the kernels know of an edge.
+enum class EdgeFinding {
+  kFree,
+  kNotFree,
+  kOpen,  ///< `pending` at `parts` is not proven: a question for the exact certificate.
+};
+
+// Entry points of the kernels, for the instruction set found at run time.
+
+/// Configurations per vector.
+int batch_lanes();
+/// Whether Scratch::count <= batch_lanes() columns from Scratch::Q are free.
+bool is_block_free(const BatchPairs& pairs, BatchChecker::Scratch& work);
+/// Proves the edge between edge_a and edge_b as far as single precision can.
+EdgeFinding examine_edge(const BatchPairs& pairs, bool want_clearance, BatchChecker::Scratch& work);
+
+}  // namespace tandem::collision
