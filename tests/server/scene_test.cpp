@@ -175,6 +175,32 @@ TEST(Scene, JointsHaveTheirLimitsAndNullForNone) {
   EXPECT_EQ(scene.at("arms").at(1).at("dof"), 4);
 }
 
+Eigen::VectorXd home_of(const Cell& cell) {
+  const auto values = json::parse(describe_scene(*cell).json).at("home").get<std::vector<double>>();
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), std::ssize(values));
+}
+
+TEST(Scene, HomeIsWhereTheFirstQueryStarts) {
+  for (const Cell& cell : {test::small_cell(), load("scenarios/gearbox/workcell.yaml")}) {
+    const auto ends = pipeline::resolve(cell, cell->queries().front());
+    ASSERT_TRUE(ends);
+    EXPECT_EQ(home_of(cell), ends->start);
+  }
+}
+
+TEST(Scene, HomeWithoutQueriesIsInsideTheLimits) {
+  world::WorkcellSpec spec = test::small_cell_spec();
+  spec.queries.clear();
+  for (world::RobotSpec& robot : spec.robots) {
+    auto joints = robot.model.joints();
+    for (robot::Joint& joint : joints) joint.limits.lower = 0.25;
+    robot.model = *robot::Model::make("small_arm", robot.model.links(), joints);
+  }
+  const auto cell = world::Workcell::make(std::move(spec));
+  ASSERT_TRUE(cell) << cell.error().message;
+  EXPECT_EQ(home_of(*cell), Eigen::VectorXd::Constant((*cell)->dof(), 0.25));
+}
+
 TEST(Scene, NamesThatAreNoTextAreShownAllTheSame) {
   world::WorkcellSpec spec = test::small_cell_spec();
   spec.name = "caf\xe9";

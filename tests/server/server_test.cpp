@@ -216,12 +216,36 @@ TEST_F(ServerTest, AGoalThatTouchesIsAnAnswerThatNamesThePairs) {
   ASSERT_EQ(answer["error"]["touching"].size(), touching.size());
   for (std::size_t i = 0; i < touching.size(); ++i) {
     const json& pair = answer["error"]["touching"][i];
+    EXPECT_EQ(pair["end"], "goal");
     EXPECT_EQ(pair["pair"], cell_->describe_pair(touching[i].pair));
     EXPECT_NEAR(pair["distance"].get<double>(), touching[i].distance, 1e-12);
     EXPECT_LE(pair["distance"].get<double>(), 0.0);
     EXPECT_EQ(pair["a"].size(), 3U);
     EXPECT_EQ(pair["b"].size(), 3U);
   }
+}
+
+TEST_F(ServerTest, EveryPairThatTouchesSaysAtWhichEnd) {
+  start();
+  const Eigen::VectorXd q = start_of("cross");
+  Eigen::VectorXd bad = q, worse = q;
+  bad[1] = worse[1] = worse[5] = 1.4;  // One arm into the table, both arms.
+  const auto ends_of = [&](const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
+    const json request = {{"start", list_of(from)}, {"goal", list_of(to)}};
+    std::map<std::string, int> ends;
+    std::string last;
+    for (const json& pair : post("/api/plan", request.dump())["error"]["touching"]) {
+      EXPECT_FALSE(last == "goal" && pair["end"] == "start");
+      last = pair["end"];
+      ++ends[last];
+    }
+    return ends;
+  };
+  const auto at_start = ends_of(bad, q), at_both = ends_of(bad, worse);
+  ASSERT_EQ(at_start.size(), 1U);
+  ASSERT_EQ(at_both.size(), 2U);
+  EXPECT_EQ(at_both.at("start"), at_start.at("start"));
+  EXPECT_GT(at_both.at("goal"), at_both.at("start"));
 }
 
 TEST_F(ServerTest, AJointOutsideItsLimitIsNamed) {

@@ -1,7 +1,10 @@
 #!/usr/bin/python3
-"""The page's own tests, alone or in a browser with a plan of the gearbox cell.
+"""The page's own tests, alone or in a browser with plans.
 
-usage: page_test.py unit|browser PROGRAM SOURCE_FOLDER
+usage: page_test.py unit|browser|pictures PROGRAM SOURCE_FOLDER
+
+pictures: only the comparisons with tests/viewer/pictures. With TANDEM_UPDATE_PICTURES=1 in the
+environment they take what they see for right; look at it before you commit it.
 
 Exit codes: 0 passed, 77 skipped (the reason is printed), otherwise that of the tests.
 """
@@ -16,6 +19,8 @@ from pathlib import Path
 
 PART, PROGRAM, SOURCE = sys.argv[1], Path(sys.argv[2]).resolve(), Path(sys.argv[3]).resolve()
 CELL = SOURCE / "scenarios/gearbox/workcell.yaml"
+SMALL_CELL = SOURCE / "tests/viewer/cell/workcell.yaml"
+DURATION = 1.6  # [s] of the motion in the pictures.
 
 
 def skip(reason):
@@ -23,28 +28,54 @@ def skip(reason):
     sys.exit(77)
 
 
-def npm(script, **environment):
-    return subprocess.run(["npm", "run", "--silent", script], cwd=SOURCE / "viewer", check=False,
-                          env={**os.environ, **environment}).returncode
+def npm(script, *arguments, **environment):
+    return subprocess.run(["npm", "run", "--silent", script, "--", *arguments], check=False,
+                          cwd=SOURCE / "viewer", env={**os.environ, **environment}).returncode
 
 
 def tandem(*arguments):
-    return subprocess.run([PROGRAM, *arguments], check=True, capture_output=True, text=True).stdout
+    return subprocess.run([PROGRAM, *arguments], check=True, text=True,
+                          stdout=subprocess.PIPE).stdout
+
+
+def exported(cell, folder, change=lambda plan: None):
+    """A page with a plan of the cell's first query, after `change`."""
+    query = json.loads(tandem("check", cell, "--json"))["queries"][0]["name"]
+    plan, page = folder / f"{cell.parent.name}.json", folder / f"{cell.parent.name}.html"
+    tandem("plan", cell, query, "-o", plan)
+    content = json.loads(plan.read_text())
+    change(content)
+    plan.write_text(json.dumps(content))
+    tandem("view", plan, "--workcell", cell, "--export", page)
+    return page
+
+
+def straighten(plan):
+    """From start to goal in one cubic, at rest at both ends: the same whatever plans."""
+    ends = iter(zip(plan["start"], plan["goal"]))
+    for arm in plan["arms"]:
+        steps = [next(ends) for _ in arm["joints"]]
+        arm["knots"] = [0, DURATION]
+        arm["coefficients"] = [[[a, 0, 3 * (b - a) / DURATION**2, -2 * (b - a) / DURATION**3]
+                                for a, b in steps]]
+    plan["phases"] = []
+    plan["report"]["motion_duration_s"] = DURATION
 
 
 def browser_tests(folder):
     chromium = os.environ.get("TANDEM_CHROMIUM") or shutil.which("chromium")
     if not chromium:
         skip("there is no chromium on the PATH; tools/setup installs it")
-    query = json.loads(tandem("check", CELL, "--json"))["queries"][0]["name"]
-    plan, page = folder / "plan.json", folder / "page.html"
-    tandem("plan", CELL, query, "-o", plan)
-    tandem("view", plan, "--export", page)
+    small = str(exported(SMALL_CELL, folder, straighten))
+    if PART == "pictures":
+        return npm("test:browser", "pictures", TANDEM_SMALL_PAGE=small, CHROMIUM=chromium)
+    page = str(exported(CELL, folder))
     with subprocess.Popen([PROGRAM, "view", CELL, "--no-open"], stdout=subprocess.PIPE,
                           text=True) as server:
         address = server.stdout.readline().strip()
         try:
-            return npm("test:browser", TANDEM_PAGE=str(page), TANDEM_URL=address, CHROMIUM=chromium)
+            return npm("test:browser", TANDEM_PAGE=page, TANDEM_SMALL_PAGE=small,
+                       TANDEM_URL=address, CHROMIUM=chromium)
         finally:
             server.terminate()
 

@@ -1,5 +1,6 @@
 /// Where the page gets its data: from itself, or from the server that sent it.
 
+import { bytesOf } from './bytes';
 import type { ClearanceSample, ErrorData, PageData, PlanData, PoseData, SceneData, Touching } from './types';
 
 /** An answer that says why something could not be done. */
@@ -98,6 +99,5 @@ async function served(index: number): Promise<ArrayBuffer> {
 async function embedded(data: PageData, index: number): Promise<ArrayBuffer> {
   const url = data.meshes?.[String(index)];
   if (!url) throw new Error('it is not in this page');
-  const bytes = atob(url.slice(url.indexOf(',') + 1));
-  return Uint8Array.from(bytes, (c) => c.charCodeAt(0)).buffer;
+  return bytesOf(url).buffer;
 }

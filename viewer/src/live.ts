@@ -196,15 +196,16 @@ export class LivePanel {
 
   private fail(error: unknown): void {
     const { message } = error as Error;
-    const touching = error instanceof Refusal ? error.touching : [];
-    // Messages about an end name it; the rest speaks of the goal.
-    const q = /\bstart\b/i.test(message) ? this.start : this.goal;
-    if (q === this.start && touching.length) this.hooks.reveal('start');
-    this.report(message, touching, q);
+    const all = error instanceof Refusal ? error.touching : [];
+    // Of one end at a time: there is one figure to mark it on.
+    const end = all[0]?.end ?? 'goal';
+    if (all.length) this.hooks.reveal(end);
+    this.report(message, all.filter((pair) => (pair.end ?? end) === end), end === 'start' ? this.start : this.goal);
   }
 
   private report(message: string, touching: Touching[], q: number[] | null): void {
-    const outside = q ? outsideLimits(this.view.scene.joints, q) : [];
+    const ends = [this.start, this.goal].filter((end) => end !== null);
+    const outside = [...new Set(ends.flatMap((end) => outsideLimits(this.view.scene.joints, end)))];
     const deepestFirst = [...touching].sort((a, b) => a.distance - b.distance);
     const lines = [
       ...outside,

@@ -44,7 +44,7 @@ class App {
     this.session = { scene, plan: null, motion: null, clearance: [] };
     document.documentElement.dataset.theme = this.theme;
     this.view = new CellView(byId<HTMLCanvasElement>('stage'), scene, this.theme, () => this.invalidate());
-    this.q = this.view.kinematics.restingPosition();
+    this.q = [...scene.home];
     this.panels = [new JointPanel(scene, this.clock), new ClearancePanel(this.clock)];
     byId('charts').append(...this.panels.map((panel) => panel.element));
     this.timeline = new Timeline(byId('transport'), this.clock, this.tools());

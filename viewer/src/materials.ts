@@ -1,7 +1,18 @@
 /// Materials by role, shared and recoloured when the theme changes.
 
-import { Color, DoubleSide, MeshBasicMaterial, MeshLambertMaterial, MeshStandardMaterial, type Material } from 'three';
-import { armColor, colors, furnitureColor, mix, type Theme } from './palette';
+import { Color, DoubleSide, MeshBasicMaterial, MeshLambertMaterial, MeshStandardMaterial, PointsMaterial, type Material } from 'three';
+import { armColor, colors, furnitureColor, kFieldOfView, mix, type Theme } from './palette';
+
+/** The renderer takes a point's size for that at a field of view of 90 degrees. */
+const kTan = Math.tan((kFieldOfView * Math.PI) / 360);
+
+/** Light from above and ahead. */
+const kBall = `
+  vec2 ball = 2.0 * gl_PointCoord - 1.0;
+  float ahead = 1.0 - dot(ball, ball);
+  if (ahead < 0.0) discard;
+  diffuseColor.rgb *= 0.5 + 0.35 * sqrt(ahead) - 0.25 * ball.y;
+`;
 
 type Paint = (theme: Theme) => string;
 
@@ -72,6 +83,18 @@ export class Materials {
       opacity: faint ? 0.28 : 0.62,
       depthWrite: false,
     }));
+  }
+
+  /** Balls of `radius` [m], one a point, that look like surfaces of another material. */
+  balls(like: Material & { color: Color }, radius: number): PointsMaterial {
+    const paint = [...this.made.values()].find(({ material }) => material === like)!.paint;
+    return this.get(`balls ${like.uuid} ${radius}`, paint, () => {
+      const material = new PointsMaterial({ size: (2 * radius) / kTan, transparent: like.transparent, opacity: like.opacity });
+      material.onBeforeCompile = (shader) => {
+        shader.fragmentShader = shader.fragmentShader.replace('#include <map_particle_fragment>', kBall);
+      };
+      return material;
+    });
   }
 
   /** Fills depth only, so that a skin shows its nearest surface and nothing of its inside. */

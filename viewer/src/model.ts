@@ -100,20 +100,10 @@ export class Kinematics {
   toolPose(arm: number, X_WL: Matrix4[], out: Matrix4): Matrix4 {
     return out.multiplyMatrices(X_WL[this.scene.arms[arm].tip_link], this.X_LE[arm]);
   }
-
-  /** Somewhere to stand while nothing is known: 0, moved into the limits. */
-  restingPosition(): number[] {
-    return this.scene.joints.map((j) => middleOrZero(j));
-  }
 }
 
 function armOfEntry(arms: ArmData[], entry: number): number {
   return arms.findIndex((arm) => entry >= arm.first && entry < arm.first + arm.dof);
-}
-
-function middleOrZero({ lower, upper }: LimitData): number {
-  const inside = (lower ?? -Infinity) <= 0 && (upper ?? Infinity) >= 0;
-  return inside ? 0 : ((lower ?? upper ?? 0) + (upper ?? lower ?? 0)) / 2;
 }
 
 /** "left/panda_joint4 is at 0.100, its limits are -3.072 to -0.070" for every joint outside. */

@@ -1,6 +1,8 @@
-/// Colours that colour-blind people can tell apart. Ref: Okabe, Ito, Color Universal Design, 2008.
+/// How things look: the camera's angle, and colours that colour-blind people can tell apart. Ref: Okabe, Ito, Color Universal Design, 2008.
 
 export type Theme = 'light' | 'dark';
+
+export const kFieldOfView = 32;  // Upright [deg].
 
 const okabeIto = {
   orange: '#e69f00',

@@ -1,14 +1,22 @@
 /// What the links look like: visual geometry, collision volumes, padded volumes.
 
-import { BufferGeometry, Matrix4, Vector3 } from 'three';
+import { Box3, BufferGeometry, Matrix4, Vector3 } from 'three';
 import { merge, type MeshStore, type Piece } from './meshes';
 import { poseMatrix } from './model';
 import { primitives, shapeGeometry } from './shapes';
+import { cloudGeometry, isCloud, meshGeometry } from './surfaces';
 import type { BodyData, SceneData, VisualData } from './types';
+
+/** Points that are balls. */
+export interface Cloud {
+  geometry: BufferGeometry;
+  radius: number;
+}
 
 export class Parts {
   private readonly pieces: (Piece[] | null)[];
-  private readonly volumes = new Map<string, BufferGeometry>();
+  private readonly volumes = new Map<string, BufferGeometry | null>();
+  private readonly points = new Map<string, Cloud[]>();
 
   constructor(readonly scene: SceneData) {
     this.pieces = scene.visuals.map((visual) => primitive(visual, scene.visuals));
@@ -37,23 +45,55 @@ export class Parts {
   visual(link: number): Piece[] {
     const own = this.scene.visuals.flatMap((visual, i) => (visual.link === link ? [this.pieces[i]] : []));
     if (own.length && own.every((pieces) => pieces !== null)) return mergeByColor(own.flat() as Piece[]);
-    return this.bodiesOf(link, 'robot').map((body) => ({ geometry: this.volume(body), color: null }));
+    return this.bodiesOf(link, 'robot').flatMap((body) => {
+      const geometry = this.volume(body);
+      return geometry ? [{ geometry, color: null }] : [];
+    });
   }
 
   bodiesOf(link: number, kind: BodyData['kind']): BodyData[] {
     return this.scene.bodies.filter((body) => body.link === link && body.kind === kind);
   }
 
-  /** The swept sphere volumes of a body in its link's frame, inflated by its padding if asked for. */
-  volume(body: BodyData, padded = false): BufferGeometry {
+  /** The shapes and meshes of a body in its link's frame, inflated by its padding if asked for; null if it has none. */
+  volume(body: BodyData, padded = false): BufferGeometry | null {
     const key = `${body.name} ${padded}`;
     let geometry = this.volumes.get(key);
-    if (!geometry) {
-      geometry = merge(body.shapes.map((shape) => shapeGeometry(shape, padded ? body.padding : 0)));
+    if (geometry === undefined) {
+      const padding = padded ? body.padding : 0;
+      const pieces = [
+        ...body.shapes.map((shape) => shapeGeometry(shape, padding)),
+        ...body.surfaces.filter((surface) => !isCloud(surface)).map((surface) => meshGeometry(surface, padding)),
+      ];
+      geometry = pieces.length ? merge(pieces) : null;
       this.volumes.set(key, geometry);
     }
     return geometry;
   }
+
+  /** The clouds of a body in its link's frame. */
+  clouds(body: BodyData): Cloud[] {
+    let clouds = this.points.get(body.name);
+    if (!clouds) {
+      clouds = body.surfaces.filter(isCloud).map((surface) => ({ geometry: cloudGeometry(surface), radius: surface.radius }));
+      this.points.set(body.name, clouds);
+    }
+    return clouds;
+  }
+
+  /** What contains all of a body, in its link's frame. */
+  box(body: BodyData): Box3 {
+    const box = new Box3();
+    const volume = this.volume(body);
+    if (volume) box.union(boxOf(volume));
+    for (const { geometry, radius } of this.clouds(body)) box.union(boxOf(geometry).expandByScalar(radius));
+    return box;
+  }
+}
+
+function boxOf(geometry: BufferGeometry): Box3 {
+  if (!geometry.boundingBox) geometry.computeBoundingBox();
+  return geometry.boundingBox!.clone();
 }
 
 function transformed(geometry: BufferGeometry, X: Matrix4): BufferGeometry {

@@ -1,7 +1,9 @@
 /// The cell in three dimensions: robots, furniture, ghosts, traces and marks.
 
-import { Box3, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, Vector3, type Object3D } from 'three';
+import { Box3, Group, Matrix4, Mesh, Vector3 } from 'three';
+import { Bodies } from './bodies';
 import { Figure, skin, solid } from './figure';
+import { Furniture } from './furniture';
 import { formatLength, frameMark, Measure } from './markers';
 import { Materials } from './materials';
 import { Kinematics } from './model';
@@ -30,9 +32,8 @@ export class CellView {
   private readonly materials: Materials;
   private readonly on = new Set<Toggle>(kDefaults);
   private readonly figures: Record<'visual' | 'volumes' | 'padding' | 'start' | 'goal' | 'alert', Figure>;
-  private readonly obstacles = new Group();
-  private readonly paddedObstacles = new Group();
-  private readonly edges = new LineBasicMaterial({ transparent: true, opacity: 0.3, toneMapped: false });
+  private readonly bodies: Bodies;
+  private readonly obstacles: Furniture;
   private readonly frames = new Group();
   private readonly toolFrames: Mesh[] = [];
   private readonly measure = new Measure();
@@ -51,19 +52,22 @@ export class CellView {
     this.kinematics = new Kinematics(scene);
     this.parts = new Parts(scene);
     this.materials = new Materials(theme);
+    this.bodies = new Bodies(this.parts, this.materials);
     this.traces = new Traces(this.kinematics, theme);
     this.X_WL = this.kinematics.makePoses();
     this.X_other = this.kinematics.makePoses();
     const figure = () => new Figure(scene.links.length);
     this.figures = { visual: figure(), volumes: figure(), padding: figure(), start: figure(), goal: figure(), alert: figure() };
-    this.buildObstacles();
+    this.kinematics.linkPoses(scene.home, this.X_WL);
+    this.obstacles = new Furniture(scene.bodies.filter((body) => body.kind === 'obstacle'), this.X_WL, this.parts, this.bodies, this.materials);
+    this.stage.setGround(this.obstacles.ground);
     this.buildFrames();
     scene.links.forEach((_, link) => this.buildLink(link));
     this.stage.scene.add(
-      this.obstacles, this.paddedObstacles, this.frames, this.traces, this.measure, this.touching,
+      this.obstacles, this.obstacles.padded, this.frames, this.traces, this.measure, this.touching,
       ...Object.values(this.figures),
     );
-    this.show(this.kinematics.restingPosition(), 0);
+    this.show(scene.home, 0);
     this.setTheme(theme);
     this.apply();
   }
@@ -91,7 +95,7 @@ export class CellView {
     this.stage.setTheme(theme);
     this.materials.setTheme(theme);
     this.traces.setTheme(theme);
-    this.edges.color.set(theme === 'light' ? '#2c3640' : '#c9d4df');
+    this.obstacles.setTheme(theme);
     this.mark();
     this.changed();
   }
@@ -148,8 +152,7 @@ export class CellView {
       if (names.has(body.name)) links.set(body.link, [...(links.get(body.link) ?? []), body]);
     }
     for (const [link, bodies] of links) {
-      const meshes = bodies.flatMap((body) => skin(this.parts.volume(body), this.materials.alert(body.kind === 'obstacle'), this.materials.depthOnly, 50));
-      this.figures.alert.setLink(link, meshes);
+      this.figures.alert.setLink(link, bodies.flatMap((body) => this.bodies.skin(body, this.materials.alert(body.kind === 'obstacle'), 50)));
     }
     if (q) this.kinematics.linkPoses(q, this.X_other);
     this.figures.alert.pose(q ? this.X_other : this.X_WL);
@@ -224,8 +227,7 @@ export class CellView {
     for (const q of configurations) {
       this.kinematics.linkPoses(q, this.X_other);
       for (const body of robots) {
-        const hull = corners(geometryBox(this.parts.volume(body)));
-        points.push(...hull.map((p) => p.applyMatrix4(this.X_other[body.link])));
+        points.push(...corners(this.parts.box(body)).map((p) => p.applyMatrix4(this.X_other[body.link])));
       }
     }
     return points;
@@ -240,73 +242,45 @@ export class CellView {
     const dof = arm < 0 ? 1 : this.scene.arms[arm].dof;
     const shell = this.materials.shell(arm, depth >= dof ? 0.92 : 0.1 + (0.35 * depth) / dof);
     const pieces = this.parts.visual(link);
-    const attached = this.parts.bodiesOf(link, 'attached').map((body) => this.parts.volume(body));
+    const attached = this.parts.bodiesOf(link, 'attached');
     this.figures.visual.setLink(link, [
       ...pieces.map(({ geometry, color }) => solid(geometry, color === null ? shell : this.materials.painted(color))),
-      ...attached.map((geometry) => solid(geometry, this.materials.attached())),
+      ...attached.flatMap((body) => this.bodies.solid(body, this.materials.attached())),
     ]);
-    const surfaces = [...pieces.map((piece) => piece.geometry), ...attached];
     const order = { goal: 10, start: 20 };
     for (const end of ['goal', 'start'] as const) {
       if (arm < 0) continue;
       const material = this.materials.skin(end, arm, end === 'goal' ? 0.34 : 0.2, true);
-      this.figures[end].setLink(link, surfaces.flatMap((g) => skin(g, material, this.materials.depthOnly, order[end])));
+      this.figures[end].setLink(link, [
+        ...pieces.flatMap(({ geometry }) => skin(geometry, material, this.materials.depthOnly, order[end])),
+        ...attached.flatMap((body) => this.bodies.skin(body, material, order[end])),
+      ]);
     }
     this.stage.moved();
     this.buildVolumes(link);
     const padded = this.scene.bodies.filter((body) => body.link === link && body.padding > 0 && body.kind !== 'obstacle');
-    this.figures.padding.setLink(link, padded.flatMap((body) => this.paddedSkin(body)));
+    const padding = this.materials.skin('padding', arm, 0.3);
+    this.figures.padding.setLink(link, padded.flatMap((body) => this.bodies.skin(body, padding, 40, true)));
     this.changed();
   }
 
   /** Volumes are solid alone, and a skin over the visual geometry. */
   private buildVolumes(link: number): void {
     const arm = this.kinematics.armOfLink(link);
-    const { materials, parts } = this;
-    const bodies = this.scene.bodies.filter((body) => body.link === link && body.kind !== 'obstacle');
+    const { materials } = this;
     const over = this.on.has('visual');
-    const objects = bodies.flatMap((body) => {
-      const geometry = parts.volume(body);
-      if (over) return skin(geometry, materials.skin('volume', arm, 0.45), materials.depthOnly, 30);
-      return [solid(geometry, body.kind === 'attached' ? materials.attached() : materials.shell(arm, 0.75))];
-    });
-    this.figures.volumes.setLink(link, objects);
-  }
-
-  private paddedSkin(body: BodyData): Mesh[] {
-    const material = this.materials.skin('padding', this.kinematics.armOfLink(body.link), 0.3);
-    return skin(this.parts.volume(body, true), material, this.materials.depthOnly, 40);
-  }
-
-  private buildObstacles(): void {
-    const X_WL = this.kinematics.makePoses();
-    this.kinematics.linkPoses(this.kinematics.restingPosition(), X_WL);
-    let ground = 0;
-    this.scene.bodies.filter((body) => body.kind === 'obstacle').forEach((body, i) => {
-      const geometry = this.parts.volume(body);
-      const outline = new LineSegments(new EdgesGeometry(geometry, 35), this.edges);
-      const box = geometryBox(geometry);
-      let shown: Object3D = outline;
-      if (isGround(box)) ground = box.max.z;  // The stage draws it; its outline says how far it goes.
-      else shown = solid(geometry, this.materials.furniture(i)).add(outline);
-      shown.applyMatrix4(X_WL[body.link]);
-      this.obstacles.add(shown);
-      if (body.padding <= 0) return;
-      for (const surface of this.paddedSkin(body)) {
-        surface.applyMatrix4(X_WL[body.link]);
-        this.paddedObstacles.add(surface);
-      }
-    });
-    this.stage.setGround(ground);
+    const bodies = this.scene.bodies.filter((body) => body.link === link && body.kind !== 'obstacle');
+    this.figures.volumes.setLink(link, bodies.flatMap((body) => {
+      if (over) return this.bodies.skin(body, materials.skin('volume', arm, 0.45), 30);
+      return this.bodies.solid(body, body.kind === 'attached' ? materials.attached() : materials.shell(arm, 0.75));
+    }));
   }
 
   private buildFrames(): void {
-    const X_WL = this.kinematics.makePoses();
-    this.kinematics.linkPoses(this.kinematics.restingPosition(), X_WL);
     this.frames.add(frameMark(0.25));
     this.scene.arms.forEach((_, arm) => {
       const base = frameMark(0.2);
-      base.matrix.copy(X_WL[this.kinematics.baseLink(arm)]);
+      base.matrix.copy(this.X_WL[this.kinematics.baseLink(arm)]);
       this.toolFrames[arm] = frameMark(0.12);
       this.frames.add(base, this.toolFrames[arm]);
     });
@@ -316,7 +290,7 @@ export class CellView {
     const { on, figures } = this;
     figures.visual.visible = on.has('visual');
     figures.volumes.visible = on.has('volumes');
-    figures.padding.visible = this.paddedObstacles.visible = on.has('padding');
+    figures.padding.visible = this.obstacles.padded.visible = on.has('padding');
     figures.start.visible = on.has('start') && Boolean(this.ends[0]);
     figures.goal.visible = on.has('goal') && Boolean(this.ends[1]);
     this.obstacles.visible = on.has('obstacles');
@@ -338,17 +312,6 @@ export class CellView {
     const color = sample.distance > 0 ? colors.clearance[this.theme] : colors.alert[this.theme];
     this.measure.set(sample.a, sample.b, [formatLength(sample.distance), sample.pair], color, this.theme);
   }
-}
-
-function geometryBox(geometry: { boundingBox: Box3 | null; computeBoundingBox(): void }): Box3 {
-  if (!geometry.boundingBox) geometry.computeBoundingBox();
-  return geometry.boundingBox!.clone();
-}
-
-/** A wide, flat slab near the height of the world's origin is a floor, not furniture. */
-function isGround(box: Box3): boolean {
-  const size = box.getSize(new Vector3());
-  return size.x * size.y > 1.5 && size.z < 0.25 && Math.abs(box.max.z) < 0.05;
 }
 
 function corners({ min, max }: Box3): Vector3[] {

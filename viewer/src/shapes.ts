@@ -1,51 +1,9 @@
 /// Geometry of the convex shapes: a core swept by a sphere, with exact surfaces and normals.
 
-import { BufferAttribute, BufferGeometry, Matrix4, Vector3 } from 'three';
+import { Matrix4, Vector3, type BufferGeometry } from 'three';
+import { SurfaceBuilder } from './builder';
+import { convexGeometry } from './convex';
 import type { ShapeData } from './types';
-
-/** Triangles under construction. */
-class Surface {
-  private readonly positions: number[] = [];
-  private readonly normals: number[] = [];
-  private readonly indices: number[] = [];
-
-  vertex(p: number[], n: number[]): number {
-    this.positions.push(...p);
-    this.normals.push(...n);
-    return this.positions.length / 3 - 1;
-  }
-
-  /** Triangles without area are left out. */
-  triangle(a: number, b: number, c: number): void {
-    const at = (i: number) => new Vector3().fromArray(this.positions, 3 * i);
-    const area = at(b).sub(at(a)).cross(at(c).sub(at(a))).length();
-    if (area > 1e-14) this.indices.push(a, b, c);
-  }
-
-  /** Joins rows of equally many vertices; counter-clockwise seen from outside. */
-  grid(rows: number[][], closed: boolean): void {
-    for (let i = 1; i < rows.length; ++i) {
-      const count = rows[i].length;
-      for (let j = 0; j < (closed ? count : count - 1); ++j) {
-        const k = (j + 1) % count;
-        this.triangle(rows[i - 1][j], rows[i][j], rows[i][k]);
-        this.triangle(rows[i - 1][j], rows[i][k], rows[i - 1][k]);
-      }
-    }
-  }
-
-  fan(ring: number[]): void {
-    for (let j = 2; j < ring.length; ++j) this.triangle(ring[0], ring[j - 1], ring[j]);
-  }
-
-  finish(): BufferGeometry {
-    const geometry = new BufferGeometry();
-    geometry.setAttribute('position', new BufferAttribute(new Float32Array(this.positions), 3));
-    geometry.setAttribute('normal', new BufferAttribute(new Float32Array(this.normals), 3));
-    geometry.setIndex(this.indices);
-    return geometry;
-  }
-}
 
 /**
  * A flat convex polygon (1 vertex, 2, or more counter-clockwise) in x and y, drawn out to |z| <= h,
@@ -66,7 +24,7 @@ function roundedPrism(polygon: [number, number][], h: number, radius: number, st
     const parts = radius > 0 ? Math.max(1, Math.round((sweep / (2 * Math.PI)) * steps)) : 1;
     for (let k = 0; k <= parts; ++k) around.push({ x, y, angle: from + (sweep * k) / parts });
   });
-  const surface = new Surface();
+  const surface = new SurfaceBuilder();
   const quarter = radius > 0 ? Math.max(2, Math.round(steps / 4)) : 1;
   const rows: number[][] = [];
   for (const side of h > 0 ? [1, -1] : [0]) {
@@ -103,7 +61,7 @@ function roundedCylinder(coreRadius: number, h: number, radius: number, steps: n
     }
   }
   if (bottom) profile.push({ rho: 0, z: -h - radius, latitude: -Math.PI / 2 });
-  const surface = new Surface();
+  const surface = new SurfaceBuilder();
   const rows = profile.map(({ rho, z, latitude }) =>
     Array.from({ length: steps + 1 }, (_, j) => {
       const angle = (2 * Math.PI * j) / steps;
@@ -136,6 +94,7 @@ function stepsFor(radius: number): number {
 /** Surface of a shape in the frame it is given in, inflated by `padding` [m]. */
 export function shapeGeometry(shape: ShapeData, padding = 0): BufferGeometry {
   const radius = shape.radius + padding;
+  if (shape.core === 'convex') return convexGeometry(shape.vertices.map((p) => new Vector3(...p)), shape.faces, radius);
   const origin = new Vector3(...shape.origin);
   const [u0, u1, u2] = shape.extents.map((u) => new Vector3(...u));
   const [a, b, c] = [u0.length(), u1.length(), u2.length()];

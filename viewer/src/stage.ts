@@ -21,13 +21,13 @@ import {
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { RoomEnvironment } from 'three/examples/jsm/environments/RoomEnvironment.js';
-import { colors, type Theme } from './palette';
+import { colors, kFieldOfView, type Theme } from './palette';
 
 const kRatios = [1, 0.8, 0.65];  // Of the resolution, by economy.
 
 export class Stage {
   readonly scene = new Scene();
-  readonly camera = new PerspectiveCamera(32, 1, 0.04, 60);
+  readonly camera = new PerspectiveCamera(kFieldOfView, 1, 0.04, 60);
   readonly renderer: WebGLRenderer;
   readonly orbit: OrbitControls;
   /** Whether a person has chosen the view since it was last framed. */
@@ -71,7 +71,7 @@ export class Stage {
     this.sky.position.set(0, 0, 1);
     this.grid = makeGrid();
     this.shade = new Mesh(new PlaneGeometry(40, 40), new ShadowMaterial({ opacity: 0.22 }));
-        this.shade.receiveShadow = true;
+    this.shade.receiveShadow = true;
     this.shade.renderOrder = -2;
     this.scene.add(this.sun, this.sun.target, this.sky, this.shade, this.grid);
   }

@@ -28,12 +28,32 @@ export interface LinkData {
 export type CoreType = 'point' | 'segment' | 'triangle' | 'rectangle' | 'box' | 'cylinder';
 
 /** All points within `radius` of a core; see src/tandem/geometry/shape.h. */
-export interface ShapeData {
+export interface RoundedData {
   core: CoreType;
   origin: Vec3;
   extents: [Vec3, Vec3, Vec3];
   core_radius: number;
   radius: number;
+}
+
+/** Faces are counter-clockwise seen from outside. */
+export interface ConvexData {
+  core: 'convex';
+  vertices: Vec3[];
+  faces: number[][];
+  radius: number;
+}
+
+export type ShapeData = RoundedData | ConvexData;
+
+/** A mesh, or without triangles a cloud: every triangle or point swept by `radius`. */
+export interface SurfaceData {
+  pose: PoseData;
+  radius: number;
+  /** Base64 of float32, three a vertex. */
+  vertices: string;
+  /** Base64 of uint32, three a triangle. */
+  triangles?: string;
 }
 
 export interface BodyData {
@@ -42,6 +62,7 @@ export interface BodyData {
   link: number;
   padding: number;
   shapes: ShapeData[];
+  surfaces: SurfaceData[];
 }
 
 export interface VisualData {
@@ -79,6 +100,8 @@ export interface SceneData {
   arms: ArmData[];
   joints: LimitData[];
   queries: string[];
+  /** Where the arms stand while nothing else says. */
+  home: number[];
 }
 
 export interface PlanArm {
@@ -123,8 +146,12 @@ export interface ClearanceSample {
   b: Vec3;
 }
 
+export type End = 'start' | 'goal';
+
 /** Two bodies that touch, with witness points in the world. */
 export interface Touching {
+  /** Of the motion that was asked for; what a dragged goal touches has none. */
+  end?: End;
   pair: string;
   distance: number;
   a: Vec3;

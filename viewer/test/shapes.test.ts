@@ -1,21 +1,12 @@
 import { Vector3 } from 'three';
-import type { BufferGeometry } from 'three';
 import { describe, expect, it } from 'vitest';
 import { primitives, shapeGeometry } from '../src/shapes';
-import type { CoreType, ShapeData, Vec3 } from '../src/types';
-
-/** Mulberry32: the same numbers in every run. */
-function random(seed: number): () => number {
-  return () => {
-    seed = (seed + 0x6d2b79f5) | 0;
-    let t = Math.imul(seed ^ (seed >>> 15), 1 | seed);
-    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
-    return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
-  };
-}
+import type { CoreType, RoundedData, Vec3 } from '../src/types';
+import { reach, volume } from './measure';
+import { random } from './random';
 
 /** Furthest the shape reaches along a unit vector, by definition of its core. */
-function support(shape: ShapeData, d: Vector3): number {
+function support(shape: RoundedData, d: Vector3): number {
   const u = shape.extents.map((e) => new Vector3(...e));
   const base = new Vector3(...shape.origin).dot(d) + shape.radius;
   if (shape.core === 'triangle') return base + Math.max(0, u[0].dot(d), u[1].dot(d));
@@ -27,26 +18,7 @@ function support(shape: ShapeData, d: Vector3): number {
   return reach;
 }
 
-function reach(geometry: BufferGeometry, d: Vector3): number {
-  const points = geometry.getAttribute('position');
-  let best = -Infinity;
-  for (let i = 0; i < points.count; ++i) {
-    best = Math.max(best, new Vector3().fromBufferAttribute(points, i).dot(d));
-  }
-  return best;
-}
-
-/** By the divergence theorem; positive only if the triangles face outward and close up. */
-function volume(geometry: BufferGeometry): number {
-  const points = geometry.getAttribute('position');
-  const index = geometry.getIndex()!;
-  const at = (i: number) => new Vector3().fromBufferAttribute(points, index.getX(i));
-  let sum = 0;
-  for (let i = 0; i < index.count; i += 3) sum += at(i).dot(at(i + 1).cross(at(i + 2))) / 6;
-  return sum;
-}
-
-function randomShape(core: CoreType, next: () => number, radius: number): ShapeData {
+function randomShape(core: CoreType, next: () => number, radius: number): RoundedData {
   const vector = () => new Vector3(next() - 0.5, next() - 0.5, next() - 0.5);
   const x = vector().normalize();
   const y = x.clone().cross(vector()).normalize();
@@ -110,7 +82,7 @@ describe.each(cores)('%s', (core) => {
 });
 
 describe('volumes', () => {
-  const box = (radius: number): ShapeData => ({
+  const box = (radius: number): RoundedData => ({
     core: 'box',
     origin: [1, 2, 3],
     extents: [[0.1, 0, 0], [0, 0.2, 0], [0, 0, -0.3]],
@@ -134,10 +106,10 @@ describe('volumes', () => {
   });
 
   it('of degenerate shapes are those of what is left', () => {
-    const flat: ShapeData = { ...box(0.1), core: 'triangle', extents: [[0.3, 0, 0], [0.6, 0, 0], [0, 0, 0]] };
+    const flat: RoundedData = { ...box(0.1), core: 'triangle', extents: [[0.3, 0, 0], [0.6, 0, 0], [0, 0, 0]] };
     const capsule = Math.PI * 0.01 * 0.6 + (4 / 3) * Math.PI * 1e-3;
     expect(Math.abs(volume(shapeGeometry(flat)) / capsule - 1)).toBeLessThan(0.02);
-    const point: ShapeData = { ...box(0.1), core: 'segment', extents: [[0, 0, 0], [0, 0, 0], [0, 0, 0]] };
+    const point: RoundedData = { ...box(0.1), core: 'segment', extents: [[0, 0, 0], [0, 0, 0], [0, 0, 0]] };
     expect(Math.abs(volume(shapeGeometry(point)) / ((4 / 3) * Math.PI * 1e-3) - 1)).toBeLessThan(0.02);
   });
 });

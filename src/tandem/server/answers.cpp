@@ -20,6 +20,7 @@ Answer failure(const Error& error, const Json& touching = Json::array()) {
   return {200, text_of(error_json(to_string(error.code), error.message, touching))};
 }
 
+/// The pairs that touch at q.
 Json touching_json(const collision::SsvChecker& checker, const world::PairSelection& pairs,
                    const Eigen::VectorXd& q) {
   const auto scratch = checker.make_scratch();
@@ -28,6 +29,19 @@ Json touching_json(const collision::SsvChecker& checker, const world::PairSelect
   Json list = Json::array();
   for (const collision::PairClearance& pair : touching) {
     list.push_back(clearance_json(checker.cell(), pair));
+  }
+  return list;
+}
+
+/// The pairs that touch at the start and at the goal, each with the end that it is about.
+Json touching_ends(const collision::SsvChecker& checker, const world::PairSelection& pairs,
+                   const pipeline::ResolvedQuery& ends) {
+  Json list = Json::array();
+  for (const auto& [end, q] : {std::pair{"start", &ends.start}, std::pair{"goal", &ends.goal}}) {
+    for (Json& pair : touching_json(checker, pairs, *q)) {
+      pair["end"] = end;
+      list.push_back(std::move(pair));
+    }
   }
   return list;
 }
@@ -81,10 +95,7 @@ Answer Answers::plan(const std::string& body, std::stop_token token) {
   if (!ends) return failure(ends.error());
   const auto plan = pipeline::plan(cell_, *ends, options);
   if (!plan) {
-    // The message speaks of the start first, too.
-    Json touching = touching_json(checker_, all_pairs_, ends->start);
-    if (touching.empty()) touching = touching_json(checker_, all_pairs_, ends->goal);
-    return failure(plan.error(), touching);
+    return failure(plan.error(), touching_ends(checker_, all_pairs_, *ends));
   }
   const auto text = plan_json_(*plan);
   if (!text) return failure(text.error());

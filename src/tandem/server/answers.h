@@ -26,7 +26,7 @@ class Answers {
   /// Joint values of a query's ends.
   Answer query(const std::string& name);
   /// Plans; while one call does, others are refused (429). A failure names the pairs that touch at
-  /// the start, or else at the goal.
+  /// the start and at the goal.
   Answer plan(const std::string& body, std::stop_token token);
   /// The solution nearest to where the arm is, free or not.
   Answer ik(const std::string& body, std::stop_token token) const;

@@ -1,9 +1,13 @@
 #include "tandem/server/scene.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <map>
 
 #include "tandem/core/contract.h"
+#include "tandem/server/base64.h"
 #include "tandem/server/json.h"
 
 namespace tandem::server {
@@ -26,6 +30,35 @@ Json shape_json(const geometry::Shape& shape) {
           {"extents", extents},
           {"core_radius", shape.core_radius()},
           {"radius", shape.radius()}};
+}
+
+/// Numbers as the bytes of a little-endian typed array, in base64: 100,000 points as JSON lists
+/// would take a page seconds to read.
+template <class Number>
+std::string array_text(const std::vector<Number>& values) {
+  static_assert(std::endian::native == std::endian::little);
+  std::string bytes(values.size() * sizeof(Number), '\0');
+  if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+  return base64(bytes);
+}
+
+Json surface_json(const geometry::PlacedSurface& placed) {
+  const geometry::Surface& surface = *placed.surface;
+  std::vector<float> vertices;
+  vertices.reserve(3 * surface.vertices().size());
+  for (const Eigen::Vector3d& vertex : surface.vertices()) {
+    for (const double value : vertex) vertices.push_back(static_cast<float>(value));
+  }
+  std::vector<std::uint32_t> triangles;
+  triangles.reserve(3 * surface.triangles().size());
+  for (const auto& triangle : surface.triangles()) {
+    for (const int index : triangle) triangles.push_back(static_cast<std::uint32_t>(index));
+  }
+  Json json = {{"pose", pose_json(placed.X_FS)},
+               {"radius", surface.radius()},
+               {"vertices", array_text(vertices)}};
+  if (surface.is_mesh()) json["triangles"] = array_text(triangles);
+  return json;
 }
 
 const char* to_string(world::Body::Kind kind) {
@@ -127,11 +160,14 @@ Json bodies_json(const world::Workcell& cell) {
   for (const world::Body& body : cell.bodies()) {
     Json shapes = Json::array();
     for (const geometry::Shape& shape : body.shapes_L) shapes.push_back(shape_json(shape));
+    Json surfaces = Json::array();
+    for (const auto& surface : body.surfaces_L) surfaces.push_back(surface_json(surface));
     bodies.push_back({{"name", body.name},
                       {"kind", to_string(body.kind)},
                       {"link", body.link},
                       {"padding", body.padding},
-                      {"shapes", shapes}});
+                      {"shapes", shapes},
+                      {"surfaces", surfaces}});
   }
   return bodies;
 }
@@ -162,6 +198,33 @@ Json joints_json(const world::Workcell& cell) {
   return joints;
 }
 
+/// Where an arm first is or goes in the queries, as far as that needs no inverse kinematics; 0,
+/// moved into the limits, if nothing says.
+Eigen::VectorXd home_of(const world::Workcell& cell, int arm) {
+  const auto i = static_cast<std::size_t>(arm);
+  for (const world::Query& query : cell.queries()) {
+    for (const auto& goal : {query.start[i], query.goal[i]}) {
+      if (!goal) continue;
+      if (const auto* joints = std::get_if<world::JointGoal>(&*goal)) return joints->q;
+      const auto* state = std::get_if<world::StateGoal>(&*goal);
+      if (!state) continue;
+      if (const auto values = cell.named_state(arm, state->name)) return *values;
+    }
+  }
+  const world::Arm& a = cell.arms()[i];
+  const auto part = [&](const Eigen::VectorXd& q) { return q.segment(a.offset, a.dof()).array(); };
+  return Eigen::ArrayXd::Zero(a.dof()).max(part(cell.lower())).min(part(cell.upper()));
+}
+
+Json home_json(const world::Workcell& cell) {
+  Eigen::VectorXd q(cell.dof());
+  for (std::size_t i = 0; i < cell.arms().size(); ++i) {
+    const world::Arm& arm = cell.arms()[i];
+    q.segment(arm.offset, arm.dof()) = home_of(cell, static_cast<int>(i));
+  }
+  return values_json(q);
+}
+
 }  // namespace
 
 Scene describe_scene(const world::Workcell& cell) {
@@ -171,7 +234,7 @@ Scene describe_scene(const world::Workcell& cell) {
   const Json json = {{"name", cell.name()},         {"links", links_json(cell)},
                      {"bodies", bodies_json(cell)}, {"visuals", visuals_json(cell, scene.meshes)},
                      {"arms", arms_json(cell)},     {"joints", joints_json(cell)},
-                     {"queries", queries}};
+                     {"queries", queries},          {"home", home_json(cell)}};
   scene.json = text_of(json);
   return scene;
 }

@@ -17,7 +17,8 @@ struct Scene {
   std::vector<std::filesystem::path> meshes;
 };
 
-/// Links with their joints, bodies with their shapes, visual geometry, arms, limits and queries.
+/// Links with their joints, bodies with their shapes and surfaces, visual geometry, arms, limits,
+/// queries, and a configuration to show while there is no other.
 Scene describe_scene(const world::Workcell& cell);
 
 inline constexpr double kClearanceRate = 50;  ///< [Hz] that the page is given.
