@@ -5,6 +5,13 @@ import { SurfaceBuilder } from './builder';
 import type { BufferGeometry } from 'three';
 
 const kFine = Math.PI / 8;  // Of rounding [rad].
+const kTurned = 3;  // Beyond that faces lie back to back [rad].
+
+/** Of the spherical polygon at a vertex: normals up to those of the next face. */
+interface Side {
+  face: number;
+  normals: Vector3[];
+}
 
 /** The great arc from unit vector a to b in `parts` steps, both ends included. */
 function arc(a: Vector3, b: Vector3, parts: number): Vector3[] {
@@ -36,28 +43,35 @@ export function convexGeometry(vertices: Vector3[], faces: number[][], radius: n
   faces.forEach((face, f) => builder.fan(face.map((i) => put(vertices[i], normals[f]))));
   if (radius === 0) return builder.finish();
 
+  /** Normals from face f to face g, that share the edge from vertex i to k of f. */
+  const bend = (i: number, k: number, f: number, g: number): Vector3[] => {
+    const angle = normals[f].angleTo(normals[g]);
+    const parts = Math.max(1, Math.round(angle / kFine));
+    if (angle < kTurned) return arc(normals[f], normals[g], parts);
+    const outward = vertices[k].clone().sub(vertices[i]).cross(normals[f]).normalize();
+    return [...arc(normals[f], outward, parts).slice(0, -1), ...arc(outward, normals[g], parts)];
+  };
   const faceOfEdge = new Map<string, number>();  // That has the edge from i to k.
   faces.forEach((face, f) => face.forEach((i, j) => faceOfEdge.set(`${i} ${face[(j + 1) % face.length]}`, f)));
-  const bend = (f: number, g: number) => arc(normals[f], normals[g], Math.max(1, Math.round(normals[f].angleTo(normals[g]) / kFine)));
-  const next = new Map<string, number>();  // The face after a face, around a vertex.
+  const next = new Map<string, Side>();  // Around a vertex, what follows a face.
   for (const [edge, f] of faceOfEdge) {
     const [i, k] = edge.split(' ').map(Number);
     const g = faceOfEdge.get(`${k} ${i}`);
     if (g === undefined) continue;
-    next.set(`${i} ${g}`, f);
-    if (i > k) continue;
-    const across = bend(f, g);
-    builder.grid([vertices[k], vertices[i]].map((p) => across.map((n) => put(p, n))), false);
+    const across = bend(i, k, f, g);
+    next.set(`${i} ${g}`, { face: f, normals: [...across].reverse() });
+    if (i < k) builder.grid([vertices[k], vertices[i]].map((p) => across.map((n) => put(p, n))), false);
   }
   vertices.forEach((p, i) => {
     const first = faces.findIndex((face) => face.includes(i));
-    if (first >= 0) corner(p, around(first, (f) => next.get(`${i} ${f}`)).map((f, k, ring) => bend(f, ring[(k + 1) % ring.length])));
+    if (first >= 0) corner(p, around(first, (f) => next.get(`${i} ${f}`)));
   });
   return builder.finish();
 
   /** A spherical polygon, by the arcs of its sides. */
   function corner(p: Vector3, sides: Vector3[][]): void {
     const rim = sides.flatMap((side) => side.slice(0, -1));
+    if (rim.length < 3) return;
     const middle = rim.reduce((sum, n) => sum.add(n), new Vector3()).normalize();
     const steps = Math.max(1, Math.round(Math.max(...rim.map((n) => n.angleTo(middle))) / kFine));
     const spokes = rim.map((n) => arc(middle, n, steps));
@@ -65,9 +79,15 @@ export function convexGeometry(vertices: Vector3[], faces: number[][], radius: n
   }
 }
 
-/** What follows `first`, until it comes again. */
-function around(first: number, next: (f: number) => number | undefined): number[] {
-  const ring = [first];
-  for (let f = next(first); f !== undefined && f !== first && ring.length < 1000; f = next(f)) ring.push(f);
-  return ring;
+/** The sides that follow `first`, until it comes again. */
+function around(first: number, next: (face: number) => Side | undefined): Vector3[][] {
+  const sides: Vector3[][] = [];
+  let face = first;
+  do {
+    const side = next(face);
+    if (!side) break;
+    sides.push(side.normals);
+    face = side.face;
+  } while (face !== first && sides.length < 1000);
+  return sides;
 }

@@ -94,9 +94,12 @@ function stepsFor(radius: number): number {
 /** Surface of a shape in the frame it is given in, inflated by `padding` [m]. */
 export function shapeGeometry(shape: ShapeData, padding = 0): BufferGeometry {
   const radius = shape.radius + padding;
-  if (shape.core === 'convex') return convexGeometry(shape.vertices.map((p) => new Vector3(...p)), shape.faces, radius);
   const origin = new Vector3(...shape.origin);
   const [u0, u1, u2] = shape.extents.map((u) => new Vector3(...u));
+  if (shape.core === 'convex') {
+    const X = new Matrix4().makeBasis(u0, u1, u2).setPosition(origin);
+    return convexGeometry(shape.vertices.map((p) => new Vector3(...p).applyMatrix4(X)), shape.faces, radius);
+  }
   const [a, b, c] = [u0.length(), u1.length(), u2.length()];
   const steps = stepsFor(radius);
   switch (shape.core) {

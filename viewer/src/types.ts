@@ -36,9 +36,11 @@ export interface RoundedData {
   radius: number;
 }
 
-/** Faces are counter-clockwise seen from outside. */
+/** Vertices are in the frame of origin and extents, faces counter-clockwise seen from outside. */
 export interface ConvexData {
   core: 'convex';
+  origin: Vec3;
+  extents: [Vec3, Vec3, Vec3];
   vertices: Vec3[];
   faces: number[][];
   radius: number;

@@ -4,8 +4,9 @@ import { describe, expect, it } from 'vitest';
 import { bytesOf } from '../src/bytes';
 import { convexGeometry } from '../src/convex';
 import { matrixPose, poseMatrix } from '../src/model';
+import { shapeGeometry } from '../src/shapes';
 import { cloudGeometry, isCloud, meshGeometry } from '../src/surfaces';
-import type { PoseData, SurfaceData } from '../src/types';
+import type { PoseData, SurfaceData, Vec3 } from '../src/types';
 import { reach, volume } from './measure';
 import { random } from './random';
 
@@ -41,6 +42,22 @@ describe('a convex polytope', () => {
         }
       }
     }
+  });
+
+  it('that is flat is a rounded plate', () => {
+    const [a, b, r] = [0.2, 0.3, 0.05];
+    const vertices = [[0, 0], [a, 0], [a, b], [0, b]].map(([x, y]) => new Vector3(x, y, 0));
+    const geometry = convexGeometry(vertices, [[0, 1, 2], [0, 2, 3], [0, 2, 1], [0, 3, 2]], r);
+    const expected = 2 * a * b * r + Math.PI * (a + b) * r * r + (4 / 3) * Math.PI * r ** 3;
+    expect(Math.abs(volume(geometry) / expected - 1)).toBeLessThan(0.02);
+  });
+
+  it('stands where its origin and extents say', () => {
+    const turned = poseMatrix(pose);
+    const column = (i: number) => new Vector3().setFromMatrixColumn(turned, i).toArray() as Vec3;
+    const shape = { core: 'convex' as const, origin: pose.xyz, extents: [column(0), column(1), column(2)] as [Vec3, Vec3, Vec3], vertices: box.vertices.map((p) => p.toArray() as Vec3), faces: box.faces, radius: 0 };
+    const d = new Vector3(1, 2, 3).normalize();
+    expect(reach(shapeGeometry(shape), d)).toBeCloseTo(Math.max(...box.vertices.map((p) => p.clone().applyMatrix4(turned).dot(d))), 6);
   });
 
   it('has the volume of its faces, edges and corners (Steiner)', () => {

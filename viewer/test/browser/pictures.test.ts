@@ -29,9 +29,11 @@ function surfaces(): SurfaceData[] {
 /** A pyramid with its top cut off, rounded. */
 const frustum = {
   core: 'convex' as const,
+  origin: [0.3, -0.1, 0] as Vec3,
+  extents: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] as [Vec3, Vec3, Vec3],
   vertices: [0, 1, 2, 3, 4, 5, 6, 7].map((i): Vec3 => {
     const half = i & 4 ? 0.05 : 0.1;
-    return [0.3 + (i & 1 ? half : -half), -0.1 + (i & 2 ? half : -half), i & 4 ? 0.6 : 0.42];
+    return [i & 1 ? half : -half, i & 2 ? half : -half, i & 4 ? 0.6 : 0.42];
   }),
   faces: [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]],
   radius: 0.02,
