@@ -234,7 +234,8 @@ TEST_F(ServerTest, EveryPairThatTouchesSaysAtWhichEnd) {
     const json request = {{"start", list_of(from)}, {"goal", list_of(to)}};
     std::map<std::string, int> ends;
     std::string last;
-    for (const json& pair : post("/api/plan", request.dump())["error"]["touching"]) {
+    const json answer = post("/api/plan", request.dump());
+    for (const json& pair : answer["error"]["touching"]) {
       EXPECT_FALSE(last == "goal" && pair["end"] == "start");
       last = pair["end"];
       ++ends[last];
