@@ -20,6 +20,7 @@ struct BenchCommand {
   ProblemOptions problems;
   BenchOutput output;
   int cycles = 1;
+  std::string list;
 };
 
 /// One message per query and kind of failure: a thousand runs fail in few ways.
@@ -48,8 +49,8 @@ int bench_cell(const BenchCommand& command) {
     progress.show(run.success, run.query, static_cast<std::size_t>(done),
                   static_cast<std::size_t>(total));
   };
-  const auto result =
-      pipeline::bench(*cell, command.cycles, command.planning.with(signals.token()), show);
+  const auto result = pipeline::bench(*cell, command.cycles, command.planning.with(signals.token()),
+                                      show, command.list);
   progress.clear();
   if (!result) return failed(result.error());
   if (const BenchOutput& output = command.output; !output.json.empty()) {
@@ -87,6 +88,9 @@ void add_bench(CLI::App& app, int& exit_code) {
       ->type_name("N")
       ->capture_default_str()
       ->check(whole_number(1));
+  CLI::Option* list = sub->add_option("--list", command->list,
+                                      "Which of the workcell's lists; without it, its queries");
+  list->type_name("NAME")->needs(cell);
   sub->add_option("--json", command->output.json, "Write the statistics here")->type_name("FILE");
   add_force(*sub, command->output.force);
   command->planning.add_to(*sub);

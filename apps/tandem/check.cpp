@@ -31,7 +31,11 @@ int run(const CheckCommand& command) {
   if (!loaded) return report("check", loaded.error());
   const auto& cell = *loaded;
   std::vector<QueryCheck> queries;
-  for (const world::Query& query : cell->queries()) {
+  std::vector<world::Query> all = cell->queries();
+  for (const world::QueryList& list : cell->lists()) {
+    all.insert(all.end(), list.queries.begin(), list.queries.end());
+  }
+  for (const world::Query& query : all) {
     if (signals.token().stop_requested()) {
       return report("check", {ErrorCode::kCancelled, "interrupted"});
     }
@@ -63,7 +67,8 @@ void add_check(CLI::App& app, int& exit_code) {
   sub->footer(
       "Shows robots, arms, joints and their limits, bodies and their shapes, how many pairs are\n"
       "checked and why others are skipped, and for each query whether the cell can stand at its\n"
-      "start and goal: inside the limits, in reach, free of collisions.\n\n"
+      "start and goal: inside the limits, in reach, free of collisions, with what the arms "
+      "carry.\n\n"
       "Example:\n"
       "  tandem check scenarios/gearbox/workcell.yaml --pairs\n\n"
       "Exit codes: 0 every query is feasible, 1 one is not, 2 options or files that cannot be\n"

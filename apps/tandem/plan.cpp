@@ -87,7 +87,9 @@ void add_plan(CLI::App& app, int& exit_code) {
   CLI::App* sub = app.add_subcommand("plan", "Plan one query of a workcell");
   auto command = std::make_shared<PlanCommand>();
   command->cell.add_to(*sub);
-  sub->add_option("QUERY", command->query, "Name of the query")->required()->type_name("");
+  sub->add_option("QUERY", command->query, "Name of the query, or LIST/QUERY")
+      ->required()
+      ->type_name("");
   sub->add_option("-o,--output", command->output, "Write the plan here (JSON)")->type_name("FILE");
   auto* csv = sub->add_option("--csv", command->csv, "Write samples of the motion here");
   csv->type_name("FILE");

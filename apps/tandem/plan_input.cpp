@@ -11,7 +11,8 @@ Result<std::shared_ptr<const world::Workcell>> load_cell(const CellOptions& cell
     return fail(ErrorCode::kInvalidInput,
                 plan_file + " names no workcell (it was built in memory); give it by --workcell");
   }
-  return chosen.load();
+  const auto loaded = chosen.load();
+  return loaded ? io::in_scene_of(plan, *loaded) : loaded;
 }
 
 std::string mismatch(const io::PlanFile& plan, const world::Workcell& cell) {

@@ -6,7 +6,8 @@
 
 namespace tandem::app {
 
-/// The cell that `plan` names, or `cell.file` instead where it is given.
+/// The cell that `plan` names, or `cell.file` instead where it is given, as it stands during the
+/// plan's motion.
 Result<std::shared_ptr<const world::Workcell>> load_cell(const CellOptions& cell,
                                                          const std::string& plan_file,
                                                          const io::PlanFile& plan);

@@ -307,6 +307,71 @@ class Verify(CommandLine):
         self.refused(2, "verify", "bad.json", says="--workcell")
 
 
+class Lists(CommandLine):
+    """A cell with a list in which the left arm carries a stick."""
+    LISTS = """lists:
+  round:
+    - name: swing
+      start: {left: {joints: [0.9, -0.2, 0.3]}, right: {joints: [0.5, -0.9, 0.4]}}
+      goal: {left: {joints: [-0.9, -0.2, 0.3]}}
+    - name: carry
+      attach: [{object: stick, arm: left, at: {xyz: [0.04, 0, 0]}}]
+      goal: {left: {joints: [0.9, -0.2, 0.3]}}
+    - name: leave
+      detach: [{object: stick, place: {xyz: [-0.9, 0, 0.3]}}]
+      goal: {left: {state: up}}
+"""
+
+    def setUp(self):
+        super().setUp()
+        stick = "  - {name: stick, pose: {xyz: [-0.9, 0, 0.3]}, sphere: {center: [0, 0, 0], radius: 0.02}}\n"
+        self.cell = self.cell_with(
+            lambda text: text.replace("padding:", stick + "padding:") + self.LISTS)
+
+    def test_check_covers_all_lists(self):
+        out = self.ok("check", self.cell).out
+        for name in ("swing", "rise", "round/swing", "round/carry", "round/leave"):
+            self.assertIn(f"query {name}: feasible", out)
+
+    def test_plan_records_the_scene_and_verify_and_view_rebuild_it(self):
+        self.ok("plan", self.cell, "round/carry", "-o", "p.json")
+        plan = json.loads((self.folder / "p.json").read_text())
+        self.assertEqual(plan["query"], "round/carry")
+        stick, = plan["scene"]["objects"]
+        self.assertEqual((stick["name"], stick["link"]), ("stick", "left/fore"))
+        self.assertAlmostEqual(stick["pose"]["xyz"][0], 0.34)
+        self.ok("verify", "p.json")
+        # The same motion with the stick through the table all the way.
+        stick["pose"]["xyz"] = [-0.1, 0, 0]
+        stick["link"] = "left/shoulder"
+        (self.folder / "bad.json").write_text(json.dumps(plan))
+        done = Done("verify", "bad.json", folder=self.folder)
+        self.assertEqual(done.code, 1, done)
+        self.assertRegex(done.out, "failure: .*stick.* touch")
+        stick["link"] = "left/for"
+        (self.folder / "bad.json").write_text(json.dumps(plan))
+        self.refused(2, "verify", "bad.json", says=("left/for", "did you mean 'left/fore'"))
+        page = Done("view", "p.json", "--export", "p.html", folder=self.folder)
+        if page.code == 0:
+            text = (self.folder / "p.html").read_text()
+            self.assertRegex(text, r'"name":"stick","kind":"attached"|"kind":"attached"[^}]*"name":"stick"')
+
+    def test_bench_runs_one_list(self):
+        self.assertIn("list round", self.ok("bench", self.cell, "--list", "round", "--json",
+                                            "b.json").out)
+        bench = json.loads((self.folder / "b.json").read_text())
+        self.assertEqual((bench["list"], bench["queries"], bench["success"]), ("round", 3, 3))
+        self.assertIn("round/carry", bench["per_query"])
+        self.ok("bench", self.cell, "--json", "c.json")
+        bench = json.loads((self.folder / "c.json").read_text())
+        self.assertEqual((bench["list"], bench["queries"]), ("", 2))
+
+    def test_names_that_do_not_exist(self):
+        self.refused(2, "bench", self.cell, "--list", "runde", says="did you mean 'round'")
+        self.refused(2, "plan", self.cell, "round/cary", says="did you mean 'round/carry'")
+        self.refused(2, "plan", self.cell, "round", says=("a list of this name", "round/swing"))
+
+
 class Bench(CommandLine):
     def test_table_and_json(self):
         done = self.ok("bench", CELL, "--cycles", "3", "--json", "b.json")
@@ -494,7 +559,7 @@ class Gearbox(CommandLine):
         for query in cell["queries"]:
             with self.subTest(query["name"]):
                 self.assertTrue(query["feasible"], query)
-                file = f"{query['name']}.json"
+                file = query["name"].replace("/", "_") + ".json"
                 self.ok("plan", self.CELL, query["name"], "-o", file)
                 self.ok("verify", file, "--rate", "250")
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "plan_samples.h"
@@ -43,6 +44,24 @@ void expect_same(const pipeline::PlanReport& a, const pipeline::PlanReport& b) {
   }
 }
 
+void expect_same(const world::SceneState& a, const world::SceneState& b) {
+  ASSERT_EQ(a.objects.size(), b.objects.size());
+  for (const auto& [name, object] : a.objects) {
+    const world::ObjectState& other = b.objects.at(name);
+    EXPECT_EQ(object.link, other.link);
+    EXPECT_EQ(object.touching, other.touching);
+    EXPECT_EQ(object.X_LO.translation(), other.X_LO.translation());
+    // Through a quaternion and back.
+    EXPECT_LT((object.X_LO.linear() - other.X_LO.linear()).norm(), 1e-14);
+  }
+  ASSERT_EQ(a.allowed.size(), b.allowed.size());
+  for (std::size_t i = 0; i < a.allowed.size(); ++i) {
+    EXPECT_EQ(a.allowed[i].a, b.allowed[i].a);
+    EXPECT_EQ(a.allowed[i].b, b.allowed[i].b);
+    EXPECT_EQ(a.allowed[i].reason, b.allowed[i].reason);
+  }
+}
+
 TEST(PlanFile, RoundTripIsExact) {
   const TemporaryFolder folder;
   const auto cell = small_cell();
@@ -67,7 +86,45 @@ TEST(PlanFile, RoundTripIsExact) {
       expect_same(loaded->trajectory.arms()[i], plan.trajectory.arms()[i]);
     }
     expect_same(loaded->report, plan.report);
+    expect_same(loaded->scene, plan.ends.cell->scene());
   }
+}
+
+TEST(PlanFile, RebuildsTheSceneOfItsMotion) {
+  const TemporaryFolder folder;
+  const auto cell = small_cell();
+  const auto plan = rough_plan(*cell, 11);
+  ASSERT_TRUE(save_plan(folder / "plan.json", plan, *cell));
+  const auto loaded = load_plan(folder / "plan.json");
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  const auto rebuilt = in_scene_of(*loaded, cell);
+  ASSERT_TRUE(rebuilt) << rebuilt.error().message;
+  for (const world::BodyPair& pair : plan.ends.cell->pairs()) {
+    EXPECT_TRUE(std::ranges::any_of((*rebuilt)->pairs(), [&](const world::BodyPair& other) {
+      return other.a == pair.a && other.b == pair.b && other.moved_by == pair.moved_by;
+    }));
+  }
+  EXPECT_EQ((*rebuilt)->pairs().size(), plan.ends.cell->pairs().size());
+  EXPECT_NE((*rebuilt)->pairs().size(), cell->pairs().size());
+
+  auto spec = test::small_cell_spec();
+  spec.obstacles.pop_back();
+  const auto other = in_scene_of(*loaded, *world::Workcell::make(spec));
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().message.find("does not fit workcell 'small'"), std::string::npos);
+  EXPECT_NE(other.error().message.find("'wall'"), std::string::npos) << other.error().message;
+}
+
+TEST(PlanFile, OfAnUnchangedCellHasAnEmptyScene) {
+  const TemporaryFolder folder;
+  const auto cell = small_cell();
+  auto plan = rough_plan(*cell, 1);
+  plan.ends.cell = nullptr;
+  ASSERT_TRUE(save_plan(folder / "plan.json", plan, *cell));
+  const auto loaded = load_plan(folder / "plan.json");
+  ASSERT_TRUE(loaded);
+  EXPECT_TRUE(loaded->scene.objects.empty() && loaded->scene.allowed.empty());
+  EXPECT_EQ(*in_scene_of(*loaded, cell), cell);
 }
 
 TEST(PlanFile, SavingTwiceGivesTheSameBytes) {
@@ -84,7 +141,8 @@ TEST(PlanFile, HasTheKeysOfTheSchema) {
   const auto text = plan_json(rough_plan(*cell, 4), *cell, "plan.json");
   ASSERT_TRUE(text);
   const auto json = nlohmann::json::parse(*text);
-  EXPECT_EQ(json["schema_version"], 1);
+  EXPECT_EQ(json["schema_version"], 2);
+  EXPECT_EQ(json["scene"]["objects"].size(), 2u);
   const auto& arm = json["arms"][0];
   EXPECT_EQ(arm["coefficients"].size() + 1, arm["knots"].size());
   EXPECT_EQ(arm["coefficients"][0].size(), arm["joints"].size());

@@ -68,7 +68,7 @@ TEST_P(Damaged, IsRefusedWithKeyValueAndExpectation) {
 INSTANTIATE_TEST_SUITE_P(
     Top, Damaged,
     testing::Values(
-        Damage{"/schema_version", "2", {"schema_version is 2", "expected 1", "another"}},
+        Damage{"/schema_version", "1", {"schema_version is 1", "expected 2", "another"}},
         Damage{"/schema_version", "\"1\"", {"schema_version is \"1\"", "whole number"}},
         Damage{"/schema_version", "", {"key schema_version is missing"}},
         Damage{"/tandem_version", "\"\"", {"tandem_version is \"\"", "not empty"}},
@@ -85,6 +85,24 @@ INSTANTIATE_TEST_SUITE_P(
         Damage{"/goal/7", "\"a\"", {"goal[7] is \"a\"", "a number"}},
         Damage{"/goal/7", "false", {"goal[7] is false", "a number"}},
         Damage{"/goal/7", "null", {"goal[7] is null", "a number"}}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Scene, Damaged,
+    testing::Values(
+        Damage{"/scene", "", {"key scene is missing"}},
+        Damage{"/scene", "[]", {"scene is a list of 0", "an object"}},
+        Damage{"/scene/objects", "", {"key scene.objects is missing"}},
+        Damage{"/scene/objcts", "[]", {"unknown key scene.objcts", "'objects'"}},
+        Damage{"/scene/objects/0/name", "\"\"", {"scene.objects[0].name is \"\"", "not empty"}},
+        Damage{"/scene/objects/1/name", "\"table\"", {"objects[1].name", "no other object"}},
+        Damage{"/scene/objects/0/link", "null", {"scene.objects[0].link is null"}},
+        Damage{"/scene/objects/0/pose/xyz", "[1, 2]", {"xyz is a list of 2", "3 numbers"}},
+        Damage{"/scene/objects/0/pose/quat_wxyz", "[1, 1, 0, 0]", {"quaternion of length 1"}},
+        Damage{"/scene/objects/0/pose/quat_wxyz", "[0, 0, 0, 0]", {"quaternion of length 1"}},
+        Damage{"/scene/objects/0/pose/rpy", "[0, 0, 0]", {"unknown key scene.objects[0].pose.rpy"}},
+        Damage{"/scene/objects/0/touching", "\"wall\"", {"touching is \"wall\"", "a list"}},
+        Damage{"/scene/allowed/0/reason", "", {"key scene.allowed[0].reason is missing"}},
+        Damage{"/scene/allowed/0/a", "7", {"scene.allowed[0].a is 7"}}));
 
 INSTANTIATE_TEST_SUITE_P(
     Arms, Damaged,

@@ -84,6 +84,25 @@ inline pipeline::PlanReport rough_report(Rng& rng, Eigen::Index dof) {
   return report;
 }
 
+inline Eigen::Isometry3d rough_pose(Rng& rng) {
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.translation() = rough_vector(rng, 3);
+  X.linear() =
+      Eigen::Quaterniond(Eigen::Vector4d(rough_vector(rng, 4)) + Eigen::Vector4d(0, 0, 0, 2000))
+          .normalized()
+          .toRotationMatrix();
+  return X;
+}
+
+/// The left arm carries the table, the wall stands elsewhere.
+inline std::shared_ptr<const world::Workcell> rough_scene(const world::Workcell& cell, Rng& rng) {
+  world::SceneState scene;
+  scene.objects["table"] = {"left/link3", rough_pose(rng), {"right/link4", "wall"}};
+  scene.objects["wall"] = {world::kWorldLink, rough_pose(rng)};
+  scene.allowed = {{"table", "right/link1", "it may"}};
+  return *cell.in_scene(scene);
+}
+
 /// Nothing in it fits together but the sizes: files do not care.
 inline pipeline::Plan rough_plan(const world::Workcell& cell, std::uint64_t seed) {
   Rng rng(seed);
@@ -93,7 +112,8 @@ inline pipeline::Plan rough_plan(const world::Workcell& cell, std::uint64_t seed
           .strategy = pipeline::Strategy::kCentralized,
           .preset = seed % 2 ? pipeline::Preset::kPaper : pipeline::Preset::kDefault,
           .seed = rng.split(),
-          .ends = {"cross", rough_vector(rng, cell.dof()), rough_vector(rng, cell.dof())},
+          .ends = {"cross", rough_vector(rng, cell.dof()), rough_vector(rng, cell.dof()),
+                   rough_scene(cell, rng)},
           .trajectory = motion::CellMotion(std::move(splines)),
           .report = rough_report(rng, cell.dof())};
 }

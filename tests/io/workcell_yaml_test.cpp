@@ -2,42 +2,21 @@
 
 #include <numbers>
 
+#include "documented_cell.h"
 #include "tandem/robot/urdf.h"
-#include "workcell_files.h"
 
 namespace tandem::io {
 namespace {
 
 using test::documented_yaml;
+using test::DocumentedCell;
+using test::Fault;
+using test::kAbsent;
+using test::line_of;
 using test::TemporaryFolder;
+using test::with;
 using test::write_robots;
 using world::Workcell;
-
-/// Replaces the only occurrence of `from`.
-std::string with(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << "no '" << from << "'";
-  EXPECT_EQ(text.find(from, at + 1), std::string::npos) << "'" << from << "' is not unique";
-  return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
-
-std::string line_of(const std::string& text, const std::string& what) {
-  const auto at = static_cast<std::ptrdiff_t>(text.find(what));
-  return std::to_string(1 + std::count(text.begin(), text.begin() + at, '\n'));
-}
-
-// The page that users read is the test's input: it cannot go stale.
-class DocumentedCell : public ::testing::Test {
- protected:
-  DocumentedCell() : text_(documented_yaml().at(0)) { write_robots(folder_); }
-
-  Result<std::shared_ptr<const Workcell>> load(const std::string& text) {
-    return load_workcell(folder_.write("cell.yaml", text));
-  }
-
-  TemporaryFolder folder_;
-  std::string text_;
-};
 
 TEST_F(DocumentedCell, Loads) {
   const auto loaded = load(text_);
@@ -156,14 +135,6 @@ TEST_F(DocumentedCell, MayUseAnchorsPlusSignsAndExponents) {
   EXPECT_NEAR(camera.shapes_L[0].volume(), 0.4, 1e-12);
 }
 
-struct Fault {
-  std::string from, to;  ///< Spoils the documented cell.
-  std::string at;        ///< Its line has the fault; empty: no line is asked for.
-  std::vector<std::string> says;
-  ErrorCode code = ErrorCode::kInvalidInput;
-};
-
-const ErrorCode kAbsent = ErrorCode::kNotFound;
 const std::vector<Fault> kFaults = {
     {"name: pick_and_place", "nam: pick_and_place", "nam: p", {"'nam'", "did you mean 'name'"}},
     {"name: pick_and_place\n", "", "packages", {"'name' is missing"}},
@@ -309,20 +280,7 @@ const std::vector<Fault> kFaults = {
 };
 
 TEST_F(DocumentedCell, SpoiltIsRefusedWithPlaceAndRemedy) {
-  for (const Fault& fault : kFaults) {
-    SCOPED_TRACE(fault.from + " -> " + fault.to);
-    const std::string text = with(text_, fault.from, fault.to);
-    const auto loaded = load(text);
-    ASSERT_FALSE(loaded);
-    const std::string& message = loaded.error().message;
-    EXPECT_EQ(loaded.error().code, fault.code) << message;
-    std::string place = (folder_ / "cell.yaml").string();
-    if (!fault.at.empty()) place.append(":").append(line_of(text, fault.at)).append(":");
-    EXPECT_EQ(message.find(place), 0u) << message << "\n  expected at " << place;
-    for (const std::string& said : fault.says) {
-      EXPECT_NE(message.find(said), std::string::npos) << "'" << said << "' is not in: " << message;
-    }
-  }
+  for (const Fault& fault : kFaults) expect_refused(fault);
 }
 
 TEST_F(DocumentedCell, NamesTheColumn) {

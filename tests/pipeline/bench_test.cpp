@@ -46,6 +46,55 @@ TEST(Bench, KeepsWhatItHasWhenStopped) {
   EXPECT_EQ(result->cycles, 1);
 }
 
+/// The cell with a list in which the left arm takes a ball that reaches into the table then, so
+/// that its second query cannot be stood at, and puts it far away.
+std::shared_ptr<const world::Workcell> cell_with_round() {
+  auto spec = test::small_cell_spec();
+  const auto cell = test::small_cell();
+  Eigen::VectorXd positions;
+  robot::LinkPoses X_WL;
+  cell->forward_kinematics(resolve(cell, cell->query("cross"))->goal, positions, X_WL);
+  const auto at = [](double x, double y, double z) {
+    Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+    X.translation() = Eigen::Vector3d(x, y, z);
+    return X;
+  };
+  spec.obstacles.push_back({"ball", {*geometry::Shape::sphere({0, 0, 0}, 0.02)}});
+  spec.obstacles.back().shapes_W[0] = spec.obstacles.back().shapes_W[0].in(at(-1.5, 0, 0.5));
+  spec.obstacles.back().X_WO = at(-1.5, 0, 0.5);
+  auto reach = spec.queries[0], carry = spec.queries[1], leave = spec.queries[1];
+  world::Attach grip;
+  grip.object = "ball";
+  grip.arm = "left";
+  grip.pose = cell->tool_pose(0, X_WL).inverse() * at(0.3, -0.5, -0.03);
+  carry.name = "carry";
+  carry.changes.attach = {grip};
+  leave.name = "leave";
+  leave.changes.detach = {{"ball", at(-1.5, 0, 0.5)}};
+  spec.lists = {{"round", {reach, carry, leave}}};
+  return *world::Workcell::make(spec);
+}
+
+TEST(Bench, RunsAListInItsScenesAndGoesOnAfterAFailure) {
+  const auto cell = cell_with_round();
+  const auto result = bench(cell, 2, {}, {}, "round");
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->list, "round");
+  ASSERT_EQ(result->runs.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const BenchRun& run = result->runs[i];
+    EXPECT_EQ(run.query, (std::vector{"round/cross", "round/carry", "round/leave"})[i % 3]);
+    EXPECT_EQ(run.success, i % 3 != 1) << run.message;
+  }
+  const std::string& message = result->runs[1].message;
+  EXPECT_NE(message.find("start of query 'round/carry'"), std::string::npos) << message;
+  EXPECT_NE(message.find("table and ball"), std::string::npos) << message;
+
+  const auto unknown = bench(cell, 1, {}, {}, "runde");
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().code, ErrorCode::kNotFound);
+}
+
 TEST(Bench, NeedsQueries) {
   auto spec = test::small_cell_spec();
   spec.queries.clear();

@@ -63,7 +63,7 @@ world::RobotSpec planar_robot(const std::string& name, bool slides, double x, do
 }
 
 /// Left turns at the origin, right slides towards it from x = 1.6; a post stands at (0.5, 0).
-std::shared_ptr<const world::Workcell> planar_cell() {
+world::WorkcellSpec planar_spec() {
   world::WorkcellSpec spec;
   spec.name = "planar";
   spec.robots = {planar_robot("left", false, 0, 0), planar_robot("right", true, 1.6, M_PI)};
@@ -75,7 +75,11 @@ std::shared_ptr<const world::Workcell> planar_cell() {
   }
   spec.obstacles.push_back(
       {"post", {geometry::Shape::sphere(Eigen::Vector3d(0.5, 0, 0.5), 0.05).value()}});
-  auto cell = world::Workcell::make(std::move(spec));
+  return spec;
+}
+
+std::shared_ptr<const world::Workcell> planar_cell() {
+  auto cell = world::Workcell::make(planar_spec());
   if (!cell) throw std::runtime_error(cell.error().message);
   return *cell;
 }
@@ -391,6 +395,32 @@ TEST_F(Verify, StopsWhenTold) {
       verify(cell_, both, start, goal, {}, StopCondition::after(1e9, source.get_token()));
   ASSERT_FALSE(told);
   EXPECT_EQ(told.error().code, ErrorCode::kCancelled);
+}
+
+// The arm passes well above a stub; what hangs below its tip does not.
+TEST(VerifyCarrying, TheSameMotionIsGoodWithoutThePartAndBadWithIt) {
+  world::WorkcellSpec spec = planar_spec();
+  spec.obstacles.push_back(
+      {"part", {geometry::Shape::sphere(Eigen::Vector3d::Zero(), 0.03).value()}});
+  spec.obstacles.push_back(
+      {"stub", {geometry::Shape::sphere(Eigen::Vector3d(0.05, 0.65, 0.35), 0.05).value()}});
+  const auto cell = world::Workcell::make(spec).value();
+  Eigen::Isometry3d X_LO = Eigen::Isometry3d::Identity();
+  X_LO.translation() = Eigen::Vector3d(0.25, 0, -0.15);
+  const auto carrying = cell->in_scene({{{"part", {"left/link2", X_LO}}}, {}}).value();
+
+  const Vector2d from(1.0, 0), to(2.2, 0);
+  const CellMotion motion({glide(from, to, 3), glide(kRightFrom, kRightFrom, 3)});
+  const auto check = [&](const auto& in) {
+    return verify(in, motion, stacked(from, kRightFrom), stacked(to, kRightFrom)).value();
+  };
+  const VerifyReport empty = check(cell), loaded = check(carrying);
+  EXPECT_TRUE(empty.ok()) << empty.failures.front();
+  ASSERT_EQ(loaded.failures.size(), 1u);
+  EXPECT_NE(loaded.failures[0].find("part and stub touch"), std::string::npos)
+      << loaded.failures[0];
+  // Where the part is nearest to the stub: their centres are 0.65 m and a little from the axis.
+  EXPECT_LT(loaded.least_clearance, -0.07);
 }
 
 }  // namespace

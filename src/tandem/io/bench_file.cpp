@@ -47,6 +47,7 @@ void add_measures(Json& json, const Runs& runs, const std::vector<std::string>& 
 
 std::string bench_json(const pipeline::BenchResult& result) {
   Json json = {{"workcell", result.workcell},
+               {"list", result.list},
                {"preset", to_string(result.options.preset)},
                {"strategy", to_string(result.options.strategy)},
                {"plpp", false},

@@ -24,12 +24,12 @@ std::string heading(const pipeline::BenchResult& result, const Runs& runs) {
   const std::size_t good = successes(runs).size();
   const double rate =
       runs.empty() ? 0.0 : 100.0 * static_cast<double>(good) / static_cast<double>(runs.size());
-  return "workcell " + result.workcell + ", preset " + to_string(result.options.preset) +
-         ", strategy " + to_string(result.options.strategy) + ", seed " +
-         std::to_string(result.options.seed) + "\n" +
-         count_of(static_cast<std::size_t>(result.cycles), "whole cycle", "whole cycles") + ", " +
-         count_of(runs.size(), "query", "queries") + ", " + std::to_string(good) + " successful (" +
-         Table::number(rate, 1) + " %)\n";
+  return "workcell " + result.workcell + (result.list.empty() ? "" : ", list " + result.list) +
+         ", preset " + to_string(result.options.preset) + ", strategy " +
+         to_string(result.options.strategy) + ", seed " + std::to_string(result.options.seed) +
+         "\n" + count_of(static_cast<std::size_t>(result.cycles), "whole cycle", "whole cycles") +
+         ", " + count_of(runs.size(), "query", "queries") + ", " + std::to_string(good) +
+         " successful (" + Table::number(rate, 1) + " %)\n";
 }
 
 std::string measures(const pipeline::BenchResult& result, const Runs& runs) {

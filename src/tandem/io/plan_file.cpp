@@ -61,6 +61,26 @@ Json report_json(const pipeline::PlanReport& report, const world::Workcell& cell
           {"rungs", report.rungs.empty() ? Json::object() : Json(report.rungs)}};
 }
 
+Json pose_json(const Eigen::Isometry3d& X) {
+  const Eigen::Quaterniond u(X.linear());
+  return {{"xyz", vector_json(X.translation())},
+          {"quat_wxyz", vector_json(Eigen::Vector4d(u.w(), u.x(), u.y(), u.z()))}};
+}
+
+Json scene_json(const world::SceneState& scene) {
+  Json objects = Json::array(), allowed = Json::array();
+  for (const auto& [name, object] : scene.objects) {
+    objects.push_back({{"name", name},
+                       {"link", object.link},
+                       {"pose", pose_json(object.X_LO)},
+                       {"touching", object.touching}});
+  }
+  for (const world::AllowedPair& pair : scene.allowed) {
+    allowed.push_back({{"a", pair.a}, {"b", pair.b}, {"reason", pair.reason}});
+  }
+  return {{"objects", std::move(objects)}, {"allowed", std::move(allowed)}};
+}
+
 /// Relative to the folder of `file`, with links resolved: `..` then means the same to everyone.
 std::string workcell_entry(const fs::path& workcell, const fs::path& file) {
   if (workcell.empty()) return "";
@@ -82,7 +102,7 @@ Result<std::string> plan_json(const pipeline::Plan& plan, const world::Workcell&
   Json arms = Json::array();
   for (std::size_t i = 0; i < splines.size(); ++i) arms.push_back(arm_json(cell, i, splines[i]));
   const Json json = {
-      {"schema_version", 1},
+      {"schema_version", 2},
       {"tandem_version", TANDEM_VERSION},
       {"workcell", workcell_entry(cell.spec().file, file)},
       {"query", plan.query},
@@ -90,6 +110,7 @@ Result<std::string> plan_json(const pipeline::Plan& plan, const world::Workcell&
       {"options", {{"preset", to_string(plan.preset)}, {"strategy", to_string(plan.strategy)}}},
       {"start", vector_json(plan.ends.start)},
       {"goal", vector_json(plan.ends.goal)},
+      {"scene", scene_json((plan.ends.cell ? *plan.ends.cell : cell).scene())},
       {"arms", std::move(arms)},
       {"phases", phases_json(plan.report.phases)},
       {"report", report_json(plan.report, cell, plan.trajectory.duration())}};

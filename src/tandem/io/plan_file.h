@@ -21,7 +21,12 @@ struct PlanFile {
   Eigen::VectorXd start, goal;
   motion::CellMotion trajectory;
   pipeline::PlanReport report;
+  world::SceneState scene;  ///< Of the motion: for Workcell::in_scene.
 };
+
+/// The cell as it stands during the plan's motion.   @return the errors of Workcell::in_scene.
+Result<std::shared_ptr<const world::Workcell>> in_scene_of(
+    const PlanFile& plan, const std::shared_ptr<const world::Workcell>& cell);
 
 /// Writes atomically (a temporary file, then a rename). `workcell` is stored relative to the plan
 /// file.   @return kIo; kInvalidInput if `file` exists and `overwrite` is false.

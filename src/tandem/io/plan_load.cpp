@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "tandem/io/json_reader.h"
@@ -9,7 +10,7 @@ namespace tandem::io {
 
 namespace {
 
-constexpr std::uint64_t kSchemaVersion = 1;
+constexpr std::uint64_t kSchemaVersion = 2;
 
 template <class Keys>
 std::vector<std::string> names_of(const Keys& keys) {
@@ -111,6 +112,35 @@ std::vector<pipeline::Phase> read_phases(const JsonReader& json, Eigen::Index do
   return phases;
 }
 
+Eigen::Isometry3d read_pose(const JsonReader& json) {
+  json.expect_keys({"xyz", "quat_wxyz"});
+  const Eigen::VectorXd u = json["quat_wxyz"].vector(4, "w, x, y, z");
+  constexpr double kRounding = 1e-9;  // Of the length; a file holds every digit.
+  if (!(std::abs(u.norm() - 1) <= kRounding)) json["quat_wxyz"].refuse("a quaternion of length 1");
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.translation() = json["xyz"].vector(3, "x, y, z");
+  X.linear() = Eigen::Quaterniond(u[0], u[1], u[2], u[3]).normalized().toRotationMatrix();
+  return X;
+}
+
+world::SceneState read_scene(const JsonReader& json) {
+  world::SceneState scene;
+  json.expect_keys({"objects", "allowed"});
+  for (const JsonReader& item : json["objects"].items()) {
+    item.expect_keys({"name", "link", "pose", "touching"});
+    world::ObjectState object{item["link"].name(), read_pose(item["pose"]), {}, {}};
+    for (const JsonReader& name : item["touching"].items()) object.touching.push_back(name.name());
+    if (!scene.objects.emplace(item["name"].name(), std::move(object)).second) {
+      item["name"].refuse("a name that no other object has");
+    }
+  }
+  for (const JsonReader& item : json["allowed"].items()) {
+    item.expect_keys({"a", "b", "reason"});
+    scene.allowed.push_back({item["a"].name(), item["b"].name(), item["reason"].text(), {}});
+  }
+  return scene;
+}
+
 void check_schema(const JsonReader& json) {
   const JsonReader version = json["schema_version"];
   if (version.count() != kSchemaVersion) {
@@ -118,7 +148,7 @@ void check_schema(const JsonReader& json) {
                    TANDEM_VERSION + ") reads; the file was written by another");
   }
   json.expect_keys({"schema_version", "tandem_version", "workcell", "query", "seed", "options",
-                    "start", "goal", "arms", "phases", "report"});
+                    "start", "goal", "scene", "arms", "phases", "report"});
   json["options"].expect_keys({"preset", "strategy"});
 }
 
@@ -155,7 +185,8 @@ PlanFile read_plan(const JsonReader& json, const std::filesystem::path& folder) 
           .start = json["start"].vector(dof, "one per joint of the cell"),
           .goal = json["goal"].vector(dof, "one per joint of the cell"),
           .trajectory = std::move(trajectory),
-          .report = std::move(report)};
+          .report = std::move(report),
+          .scene = read_scene(json["scene"])};
 }
 
 }  // namespace
@@ -165,6 +196,17 @@ Result<PlanFile> load_plan(const std::filesystem::path& file) {
     const auto folder = std::filesystem::weakly_canonical(std::filesystem::absolute(file));
     return read_plan(json, folder.parent_path());
   });
+}
+
+Result<std::shared_ptr<const world::Workcell>> in_scene_of(
+    const PlanFile& plan, const std::shared_ptr<const world::Workcell>& cell) {
+  if (plan.scene.objects.empty() && plan.scene.allowed.empty()) return cell;
+  auto changed = cell->in_scene(plan.scene);
+  if (!changed) {
+    return fail(changed.error().code, "the scene of the plan does not fit workcell '" +
+                                          cell->name() + "': " + changed.error().message);
+  }
+  return changed;
 }
 
 }  // namespace tandem::io

@@ -147,7 +147,9 @@ world::ObstacleSpec read_obstacle(const YamlNode& map) {
   std::vector<std::string> keys = geometry_keys();
   keys.push_back("name");
   map.only(keys);
-  return {map.at("name").text(), read_geometry(map), map.where()};
+  world::ObstacleSpec obstacle{map.at("name").text(), read_geometry(map), map.where()};
+  if (const YamlNode* pose = map.find("pose")) obstacle.X_WO = read_pose(*pose);
+  return obstacle;
 }
 
 world::AttachedSpec Reader::read_attached(const YamlNode& map) const {
@@ -158,6 +160,7 @@ world::AttachedSpec Reader::read_attached(const YamlNode& map) const {
   attached.where = map.where();
   attached.name = map.at("name").text();
   attached.shapes_L = read_geometry(map);
+  if (const YamlNode* pose = map.find("pose")) attached.X_LO = read_pose(*pose);
   for (const YamlNode* name : items_of(map, "touching")) attached.touching.push_back(name->text());
   if (map.one_of({"arm", "link"}) == "link") {
     attached.link = map.at("link").text();
@@ -185,6 +188,7 @@ void Reader::place_in_tool(const YamlNode& name, world::AttachedSpec& attached) 
   if (tip.empty()) name.refuse("arm '" + arm->name + "' has no tip; give it a 'tip' link");
   attached.link = arm->robot + "/" + tip;
   for (geometry::Shape& shape : attached.shapes_L) shape = shape.in(arm->X_LE);
+  attached.X_LO = arm->X_LE * attached.X_LO;
 }
 
 world::AllowedPair read_allowed(const YamlNode& map) {
@@ -215,8 +219,45 @@ world::ArmGoal read_goal(const YamlNode& map) {
   return world::PoseGoal{read_pose(map.at(kind))};
 }
 
+/// Which arm or link takes what, and where.
+world::Attach read_attach(const YamlNode& map) {
+  map.only({"object", "arm", "link", "at", "touching"});
+  world::Attach attach;
+  attach.where = map.where();
+  attach.object = map.at("object").text();
+  map.one_of({"arm", "link"});
+  attach.arm = text_or_empty(map, "arm");
+  attach.link = text_or_empty(map, "link");
+  if (const YamlNode* pose = map.find("at")) attach.pose = read_pose(*pose);
+  for (const YamlNode* name : items_of(map, "touching")) attach.touching.push_back(name->text());
+  return attach;
+}
+
+/// A name, or `object` and `place`.
+world::Detach read_detach(const YamlNode& item) {
+  if (item.kind() != YamlNode::Kind::kMap) return {item.text(), {}, item.where()};
+  item.only({"object", "place"});
+  world::Detach detach{item.at("object").text(), {}, item.where()};
+  if (const YamlNode* place = item.find("place")) detach.X_WO = read_pose(*place);
+  return detach;
+}
+
+world::SceneChanges read_changes(const YamlNode& map) {
+  world::SceneChanges changes;
+  for (const YamlNode* item : items_of(map, "detach")) {
+    changes.detach.push_back(read_detach(*item));
+  }
+  for (const YamlNode* item : items_of(map, "attach")) {
+    changes.attach.push_back(read_attach(*item));
+  }
+  for (const YamlNode* item : items_of(map, "allowed")) {
+    changes.allowed.push_back(read_allowed(*item));
+  }
+  return changes;
+}
+
 world::QuerySpec read_query(const YamlNode& map) {
-  map.only({"name", "start", "goal"});
+  map.only({"name", "start", "goal", "detach", "attach", "allowed"});
   world::QuerySpec query;
   query.where = map.where();
   query.name = map.at("name").text();
@@ -225,12 +266,13 @@ world::QuerySpec read_query(const YamlNode& map) {
   }
   for (const auto& [arm, goal] : map.at("goal").entries())
     query.goal.emplace(arm, read_goal(*goal));
+  query.changes = read_changes(map);
   return query;
 }
 
 WorkcellSpec Reader::read(const YamlNode& root) {
   root.only({"name", "packages", "robots", "arms", "obstacles", "attached", "allowed", "padding",
-             "queries"});
+             "queries", "lists"});
   spec_.name = root.at("name").text();
   for (const YamlNode* item : items_of(root, "packages")) packages_.push_back(path(*item, true));
   for (const YamlNode& item : root.at("robots").items()) spec_.robots.push_back(read_robot(item));
@@ -246,6 +288,13 @@ WorkcellSpec Reader::read(const YamlNode& root) {
   }
   if (const YamlNode* padding = root.find("padding")) read_padding(*padding);
   for (const YamlNode* item : items_of(root, "queries")) spec_.queries.push_back(read_query(*item));
+  if (const YamlNode* lists = root.find("lists")) {
+    for (const auto& [name, queries] : lists->entries()) {
+      world::QueryListSpec& list = spec_.lists.emplace_back(name);
+      list.where = queries->where();
+      for (const YamlNode& item : queries->items()) list.queries.push_back(read_query(item));
+    }
+  }
   return std::move(spec_);
 }
 

@@ -29,30 +29,32 @@ Statistics Statistics::of(std::vector<double> values) {
   return s;
 }
 
-Result<BenchResult> bench(
-    const std::shared_ptr<const world::Workcell>& cell, int cycles, const PlanOptions& options,
-    const std::function<void(const BenchRun&, int done, int total)>& progress) {
+Result<BenchResult> bench(const std::shared_ptr<const world::Workcell>& cell, int cycles,
+                          const PlanOptions& options,
+                          const std::function<void(const BenchRun&, int done, int total)>& progress,
+                          std::string_view list) {
   expects(cell != nullptr, "bench needs a workcell");
   expects(cycles > 0, "bench needs at least one cycle");
-  if (cell->queries().empty()) {
+  const auto asked = cell->find_list(list);
+  if (!asked) return std::unexpected(asked.error());
+  if ((*asked)->empty()) {
     return fail(ErrorCode::kInvalidInput,
-                "workcell '" + cell->name() + "' has no queries; add `queries:` to bench it");
+                "workcell '" + cell->name() + "' has no queries" +
+                    (list.empty() ? "; add `queries:` to bench it"
+                                  : " in list '" + std::string(list) + "'; add some to bench it"));
   }
-  // Each query starts from the intended goal of the one before, so all ends are known beforehand.
-  std::vector<ResolvedQuery> queries;
-  for (const world::Query& query : cell->queries()) {
-    auto resolved = resolve(cell, query, options.seed);
-    if (!resolved) return std::unexpected(resolved.error());
-    queries.push_back(std::move(*resolved));
-  }
+  // Each query starts from the intended goal of the one before, and in the scene intended there, so
+  // all ends and scenes are known beforehand.
+  const auto queries = resolve_all(cell, **asked, options.seed);
+  if (!queries) return std::unexpected(queries.error());
 
-  BenchResult result{cell->name(), options, 0, {}, {}};
+  BenchResult result{cell->name(), options, 0, {}, {}, std::string(list)};
   for (const world::Arm& arm : cell->arms()) result.arms.push_back(arm.name);
-  const int total = cycles * static_cast<int>(queries.size());
+  const int total = cycles * static_cast<int>(queries->size());
   PlanOptions run_options = options;
   run_options.keep_phases = false;
   for (int cycle = 0; cycle < cycles; ++cycle) {
-    for (const ResolvedQuery& query : queries) {
+    for (const ResolvedQuery& query : *queries) {
       run_options.seed = options.seed + result.runs.size();
       BenchRun run;
       run.query = query.name;

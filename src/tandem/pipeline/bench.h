@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tandem/pipeline/plan.h"
@@ -33,13 +34,17 @@ struct BenchResult {
   int cycles = 0;  ///< Completed.
   std::vector<std::string> arms;
   std::vector<BenchRun> runs;
+  std::string list = {};  ///< Of the cell's lists; empty: its `queries`.
 };
 
-/// Runs all queries `cycles` times; run k uses seed options.seed + k. After a failed query the next
-/// one starts from the intended goal. Ends early, keeping what it has, when options.token stops.
+/// Runs all queries of a list `cycles` times; run k uses seed options.seed + k. After a failed
+/// query the next one starts from the intended goal, in the scene intended there; every cycle
+/// starts from the cell's file. Ends early, keeping what it has, when options.token stops.
 /// @param progress  called after every run with the runs done and the total.
-Result<BenchResult> bench(
-    const std::shared_ptr<const world::Workcell>& cell, int cycles, const PlanOptions& options,
-    const std::function<void(const BenchRun&, int done, int total)>& progress);
+/// @param list  name of one of the cell's lists; "" for its `queries`.
+Result<BenchResult> bench(const std::shared_ptr<const world::Workcell>& cell, int cycles,
+                          const PlanOptions& options,
+                          const std::function<void(const BenchRun&, int done, int total)>& progress,
+                          std::string_view list = {});
 
 }  // namespace tandem::pipeline

@@ -57,11 +57,14 @@ Result<void> check_ends(const collision::SsvChecker& checker, const ResolvedQuer
 Result<void> check_ends(const world::Workcell& cell, const ResolvedQuery& query) {
   // The checker shares the cell only for the length of this call.
   const std::shared_ptr<const world::Workcell> borrowed(std::shared_ptr<void>(), &cell);
-  return check_ends(collision::SsvChecker(borrowed), query);
+  return check_ends(collision::SsvChecker(query.cell ? query.cell : borrowed), query);
 }
 
-Result<Plan> plan(const std::shared_ptr<const world::Workcell>& cell, const ResolvedQuery& query,
+Result<Plan> plan(const std::shared_ptr<const world::Workcell>& given, const ResolvedQuery& ends,
                   const PlanOptions& options, PlanReport* report) {
+  ResolvedQuery query = ends;
+  if (!query.cell) query.cell = given;
+  const std::shared_ptr<const world::Workcell>& cell = query.cell;
   expects(cell != nullptr, "plan needs a workcell");
   expects(query.start.size() == cell->dof() && query.goal.size() == cell->dof(),
           "start and goal must have the cell's number of joints");

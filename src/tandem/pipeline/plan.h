@@ -5,6 +5,7 @@
 #include <memory>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "tandem/core/result.h"
 #include "tandem/motion/joint_path.h"
@@ -39,6 +40,9 @@ struct PlanOptions {
 struct ResolvedQuery {
   std::string name;
   Eigen::VectorXd start, goal;  ///< Of the cell's q [rad or m].
+  /// As it stands during the motion, after what the queries before and this one attached and
+  /// detached; null: as the caller gives it.
+  std::shared_ptr<const world::Workcell> cell = {};
 };
 
 struct Plan {
@@ -46,7 +50,7 @@ struct Plan {
   Strategy strategy;
   Preset preset;
   std::uint64_t seed;
-  ResolvedQuery ends;
+  ResolvedQuery ends;  ///< With the cell that was planned in.
   motion::CellMotion trajectory;
   PlanReport report;
 };
@@ -57,13 +61,21 @@ struct PathPlan {
   motion::JointPath path;     ///< Simplified.
 };
 
-/// Joint values of a query's ends: named states looked up, poses solved by inverse kinematics with
-/// collision-free solutions only, missing starts taken from the goal of the query before.
+/// Joint values of a query's ends and the cell of its motion: named states looked up, poses solved
+/// by inverse kinematics with collision-free solutions only, missing starts taken from the goal of
+/// the query before, objects attached and detached by all queries of its list up to it. A query of
+/// the cell starts from the cell's file; any other, from the cell as it is given.
 /// @return kInfeasible or kNotFound naming the query, arm, pose and reason.
 Result<ResolvedQuery> resolve(const std::shared_ptr<const world::Workcell>& cell,
                               const world::Query& query, std::uint64_t seed = 1);
 
+/// Queries that follow each other, the first from the cell's file. Same errors.
+Result<std::vector<ResolvedQuery>> resolve_all(const std::shared_ptr<const world::Workcell>& cell,
+                                               const std::vector<world::Query>& queries,
+                                               std::uint64_t seed = 1);
+
 /// kInfeasible naming the joint or the touching pair and depth if an end cannot be stood at.
+/// @param cell  for a query without a cell of its own, here and below.
 Result<void> check_ends(const world::Workcell& cell, const ResolvedQuery& query);
 
 /// Plans one query. What is returned passed the continuous-time certificate and the exact limit
@@ -80,8 +92,8 @@ Result<Plan> plan(const std::shared_ptr<const world::Workcell>& cell, const Reso
 /// and accelerations do not matter. With Preset::kDefault every edge passed the continuous-time
 /// certificate, with kPaper samples of it are free: ask certify_path.
 /// @param report  as in `plan`: checking the ends counts as path planning; phases are not kept.
-/// @return kInfeasible naming the end and the joint or touching pair, kNoPath, kTimeout, kCancelled.
-/// Thread-safe. Equal seeds give equal paths.
+/// @return kInfeasible naming the end and the joint or touching pair, kNoPath, kTimeout,
+/// kCancelled. Thread-safe. Equal seeds give equal paths.
 Result<PathPlan> plan_path(const std::shared_ptr<const world::Workcell>& cell,
                            const ResolvedQuery& query, const PlanOptions& options = {},
                            PlanReport* report = nullptr);

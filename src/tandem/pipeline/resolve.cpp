@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <functional>
+#include <span>
 
 #include "tandem/collision/ssv_checker.h"
 #include "tandem/core/contract.h"
@@ -100,6 +102,69 @@ Placement standing(const Workcell& cell, const Eigen::VectorXd& from,
   return placement;
 }
 
+/// How things stand between two queries.
+struct Standing {
+  std::shared_ptr<const Workcell> cell;
+  Eigen::VectorXd q;
+};
+
+/// The query, from how the one before left things.
+Result<ResolvedQuery> follow(const Standing& before, const world::Query& query,
+                             std::uint64_t seed) {
+  const auto what = [&](const char* end) { return end + (" of query '" + query.name + "'"); };
+  Placement start = standing(*before.cell, before.q, query.start);
+  auto placed = place(before.cell, query.start, what("start"), seed, start);
+  if (!placed) return std::unexpected(placed.error());
+  auto cell = world::after_changes(before.cell, query.changes, start.q);
+  if (!cell) {
+    return fail(cell.error().code, "query '" + query.name + "': " + cell.error().message);
+  }
+  Placement goal = standing(**cell, start.q, query.goal);
+  placed = place(*cell, query.goal, what("goal"), seed, goal);
+  if (!placed) return std::unexpected(placed.error());
+  return ResolvedQuery{query.name, start.q, goal.q, std::move(*cell)};
+}
+
+bool is_complete(const world::Query& query) {
+  return std::ranges::all_of(query.start, [](const auto& arm) { return arm.has_value(); });
+}
+
+/// Whether every arm of the first query has a start.
+Result<void> check_first(const Workcell& cell, const world::Query& query) {
+  for (std::size_t i = 0; i < cell.arms().size(); ++i) {
+    if (query.start[i]) continue;
+    return fail(ErrorCode::kInvalidInput,
+                "query '" + query.name + "': arm '" + cell.arms()[i].name +
+                    "' has no start and no query before says where it is; give it a `start:`");
+  }
+  return {};
+}
+
+using Queries = std::span<const world::Query>;
+
+Result<ResolvedQuery> follow_all(const std::shared_ptr<const Workcell>& cell, Queries queries,
+                                 std::uint64_t seed,
+                                 const std::function<void(const ResolvedQuery&)>& visit = {}) {
+  if (auto first = check_first(*cell, queries.front()); !first) {
+    return std::unexpected(first.error());
+  }
+  Standing at{cell, Eigen::VectorXd::Zero(cell->dof())};
+  Result<ResolvedQuery> resolved;
+  for (const world::Query& query : queries) {
+    resolved = follow(at, query, seed);
+    if (!resolved) return resolved;
+    if (visit) visit(*resolved);
+    at = {resolved->cell, resolved->goal};
+  }
+  return resolved;
+}
+
+/// The cell of the file, whatever scene `cell` is in.
+Result<std::shared_ptr<const Workcell>> at_first(const std::shared_ptr<const Workcell>& cell) {
+  if (cell->scene().objects.empty() && cell->scene().allowed.empty()) return cell;
+  return cell->in_scene({});
+}
+
 }  // namespace
 
 Result<ResolvedQuery> resolve(const std::shared_ptr<const Workcell>& cell,
@@ -107,40 +172,33 @@ Result<ResolvedQuery> resolve(const std::shared_ptr<const Workcell>& cell,
   expects(cell != nullptr, "resolve needs a workcell");
   expects(query.start.size() == cell->arms().size() && query.goal.size() == cell->arms().size(),
           "a query has one start and one goal entry per arm");
-  // Walk back to the first query that states where every arm is, then forward again.
-  const std::vector<world::Query>& queries = cell->queries();
-  std::size_t own = 0;
-  while (own < queries.size() && queries[own].name != query.name) ++own;
-  std::vector<const world::Query*> chain{&query};
-  const auto complete = [](const world::Query& q) {
-    return std::all_of(q.start.begin(), q.start.end(), [](const auto& s) { return s.has_value(); });
-  };
-  for (std::size_t i = own; !complete(*chain.back()) && i > 0 && i <= queries.size(); --i) {
-    if (own == queries.size()) break;
-    chain.push_back(&queries[i - 1]);
-  }
-  if (!complete(*chain.back())) {
-    for (std::size_t i = 0; i < cell->arms().size(); ++i) {
-      if (chain.back()->start[i]) continue;
-      return fail(ErrorCode::kInvalidInput,
-                  "query '" + chain.back()->name + "': arm '" + cell->arms()[i].name +
-                      "' has no start and no query before says where it is; give it a `start:`");
-    }
-  }
+  const std::vector<world::Query>* list = cell->list_of(query.name);
+  if (list == nullptr) return follow_all(cell, {&query, 1}, seed);
+  const auto own = std::ranges::find(*list, query.name, &world::Query::name);
+  // From the last query that says where every arm is, unless one before it changed the scene.
+  auto first = own;
+  while (first != list->begin() && !is_complete(first == own ? query : *first)) --first;
+  const auto changing = std::ranges::find_if(
+      list->begin(), first, [](const world::Query& q) { return !q.changes.empty(); });
+  if (changing != first) first = list->begin();
+  std::vector<world::Query> chain(first, own);
+  chain.push_back(query);
+  const auto base = at_first(cell);
+  if (!base) return std::unexpected(base.error());
+  return follow_all(*base, chain, seed);
+}
 
-  Eigen::VectorXd at = Eigen::VectorXd::Zero(cell->dof());
-  ResolvedQuery resolved;
-  for (auto step = chain.rbegin(); step != chain.rend(); ++step) {
-    Placement start = standing(*cell, at, (*step)->start);
-    auto placed =
-        place(cell, (*step)->start, "start of query '" + (*step)->name + "'", seed, start);
-    if (!placed) return std::unexpected(placed.error());
-    Placement goal = standing(*cell, start.q, (*step)->goal);
-    placed = place(cell, (*step)->goal, "goal of query '" + (*step)->name + "'", seed, goal);
-    if (!placed) return std::unexpected(placed.error());
-    resolved = {(*step)->name, start.q, goal.q};
-    at = goal.q;
-  }
+Result<std::vector<ResolvedQuery>> resolve_all(const std::shared_ptr<const Workcell>& cell,
+                                               const std::vector<world::Query>& queries,
+                                               std::uint64_t seed) {
+  expects(cell != nullptr, "resolve needs a workcell");
+  std::vector<ResolvedQuery> resolved;
+  if (queries.empty()) return resolved;
+  const auto base = at_first(cell);
+  if (!base) return std::unexpected(base.error());
+  const auto last =
+      follow_all(*base, queries, seed, [&](const ResolvedQuery& one) { resolved.push_back(one); });
+  if (!last) return std::unexpected(last.error());
   return resolved;
 }
 

@@ -73,13 +73,41 @@ void Workcell::forward_kinematics(const Eigen::Ref<const Eigen::VectorXd>& q,
   robot::forward_kinematics(model_, positions, X_WL);
 }
 
+Result<const std::vector<Query>*> Workcell::find_list(std::string_view name) const {
+  if (name.empty()) return &queries_;
+  const int found = find_by_name(lists_, name);
+  if (found >= 0) return &lists_[static_cast<std::size_t>(found)].queries;
+  std::vector<std::string> known;
+  for (const QueryList& list : lists_) known.push_back(list.name);
+  return fail(ErrorCode::kNotFound, "workcell '" + spec_.name + "' has no list '" +
+                                        std::string(name) + "'" + name_hint(name, known));
+}
+
+const std::vector<Query>* Workcell::list_of(std::string_view query) const {
+  if (find_by_name(queries_, query) >= 0) return &queries_;
+  for (const QueryList& list : lists_) {
+    if (find_by_name(list.queries, query) >= 0) return &list.queries;
+  }
+  return nullptr;
+}
+
 Result<const Query*> Workcell::find_query(std::string_view name) const {
-  const int found = find_by_name(queries_, name);
-  if (found >= 0) return &queries_[static_cast<std::size_t>(found)];
+  if (const std::vector<Query>* list = list_of(name)) {
+    return &(*list)[static_cast<std::size_t>(find_by_name(*list, name))];
+  }
+  const std::string what = "workcell '" + spec_.name + "' has no query '" + std::string(name) + "'";
+  const int list = find_by_name(lists_, name);
+  if (list >= 0 && !lists_[static_cast<std::size_t>(list)].queries.empty()) {
+    return fail(ErrorCode::kNotFound,
+                what + ", but a list of this name; name one of its queries, such as '" +
+                    lists_[static_cast<std::size_t>(list)].queries.front().name + "'");
+  }
   std::vector<std::string> known;
   for (const Query& query : queries_) known.push_back(query.name);
-  return fail(ErrorCode::kNotFound, "workcell '" + spec_.name + "' has no query '" +
-                                        std::string(name) + "'" + name_hint(name, known));
+  for (const QueryList& further : lists_) {
+    for (const Query& query : further.queries) known.push_back(query.name);
+  }
+  return fail(ErrorCode::kNotFound, what + name_hint(name, known));
 }
 
 const Query& Workcell::query(std::string_view name) const {

@@ -16,6 +16,7 @@
 #include "tandem/robot/kinematics.h"
 #include "tandem/robot/model.h"
 #include "tandem/robot/srdf.h"
+#include "tandem/world/scene.h"
 
 namespace tandem::world {
 
@@ -52,6 +53,7 @@ struct ObstacleSpec {
   std::vector<geometry::Shape> shapes_W;
   std::string where = {};
   std::vector<geometry::PlacedSurface> surfaces_W = {};
+  Eigen::Isometry3d X_WO = Eigen::Isometry3d::Identity();  ///< Its frame, where it is carried from.
 };
 
 /// Geometry carried by a link, rigidly.
@@ -62,13 +64,7 @@ struct AttachedSpec {
   std::vector<std::string> touching;  ///< Bodies it may touch, besides its own link.
   std::string where = {};
   std::vector<geometry::PlacedSurface> surfaces_L = {};
-};
-
-/// Bodies that may touch, by body name: "left/panda_link5", an obstacle or an attached object.
-struct AllowedPair {
-  std::string a, b;
-  std::string reason;
-  std::string where = {};
+  Eigen::Isometry3d X_LO = Eigen::Isometry3d::Identity();  ///< Its own frame.
 };
 
 /// Where an arm shall go: joint values in arm order, a named state of its group, or a tool pose.
@@ -89,11 +85,25 @@ struct Query {
   std::string name;
   std::vector<std::optional<ArmGoal>> start;  ///< One entry per arm.
   std::vector<std::optional<ArmGoal>> goal;   ///< One entry per arm.
+  SceneChanges changes = {};                  ///< Before the motion, where it starts.
+};
+
+/// Motions that follow each other. Its queries are called "LIST/QUERY".
+struct QueryList {
+  std::string name;
+  std::vector<Query> queries;
 };
 
 struct QuerySpec {
   std::string name;
   std::map<std::string, ArmGoal> start, goal;  ///< By arm name.
+  std::string where = {};
+  SceneChanges changes = {};
+};
+
+struct QueryListSpec {
+  std::string name;
+  std::vector<QuerySpec> queries;  ///< Their names without that of the list.
   std::string where = {};
 };
 
@@ -109,6 +119,7 @@ struct WorkcellSpec {
   double padding = 0;  ///< [m] >= 0, swept around every robot link and attached object.
   std::map<std::string, double> body_padding;  ///< [m] by body name, instead of `padding`.
   std::vector<QuerySpec> queries;
+  std::vector<QueryListSpec> lists = {};
 };
 
 /// One bit per arm.
@@ -173,8 +184,21 @@ class Workcell {
   /// @return kInvalidInput or kNotFound naming the entry, its value and the remedy: names that do
   /// not exist (with the nearest one that does) or exist twice, arms that share joints, arm joints
   /// without position, velocity or acceleration limit, link meshes without volumes, joint goals of
-  /// the wrong size.
+  /// the wrong size, queries that attach what is carried or detach what is not.
   static Result<std::shared_ptr<const Workcell>> make(WorkcellSpec spec);
+
+  /// Where the objects of this cell are, as far as it is not where the file has them.
+  const SceneState& scene() const { return scene_; }
+  /// The cell of the same file with its objects where `scene` has them. Bodies keep their indices.
+  /// @return kInvalidInput or kNotFound naming the object, link or body that is not as it should.
+  Result<std::shared_ptr<const Workcell>> in_scene(SceneState scene) const;
+  /// The scene after `changes` to this one, made with the arms at q.
+  /// @return kNotFound for names, with the nearest; kInvalidInput for an object that is carried
+  /// already, or that nothing carries, and for a link that no arm moves.
+  Result<SceneState> scene_after(const SceneChanges& changes,
+                                 const Eigen::Ref<const Eigen::VectorXd>& q) const;
+  /// Where an obstacle or attached object is; kNotFound with the nearest name.
+  Result<ObjectState> find_object(const std::string& name) const;
 
   const std::string& name() const { return spec_.name; }
   const WorkcellSpec& spec() const { return spec_; }
@@ -214,6 +238,12 @@ class Workcell {
   /// Throws ContractViolation if there is none; ask `find_query` about names from outside.
   const Query& query(std::string_view name) const;
   Result<const Query*> find_query(std::string_view name) const;  ///< kNotFound, nearest name.
+  /// Further lists; `queries()` is not among them.
+  const std::vector<QueryList>& lists() const { return lists_; }
+  /// The queries of a list, `queries()` for "".   @return kNotFound with the nearest name.
+  Result<const std::vector<Query>*> find_list(std::string_view name) const;
+  /// The queries of the list that holds the query of this name; nullptr if none does.
+  const std::vector<Query>* list_of(std::string_view query) const;
   /// Joint values of a named state of arm i's group; kNotFound with the nearest name.
   Result<Eigen::VectorXd> named_state(int arm, std::string_view name) const;
 
@@ -236,6 +266,15 @@ class Workcell {
   std::vector<BodyPair> pairs_;
   std::vector<SkippedPair> skipped_pairs_;
   std::vector<Query> queries_;
+  std::vector<QueryList> lists_;
+  SceneState scene_;
 };
+
+/// The cell during a motion that `changes` precede, made with the arms at q: `cell` itself where
+/// nothing changes. What was allowed during the motion before is not any more.
+/// @return the errors of `scene_after` and `in_scene`.
+Result<std::shared_ptr<const Workcell>> after_changes(const std::shared_ptr<const Workcell>& cell,
+                                                      const SceneChanges& changes,
+                                                      const Eigen::Ref<const Eigen::VectorXd>& q);
 
 }  // namespace tandem::world

@@ -113,8 +113,7 @@ Result<void> WorkcellBuilder::add_body(Body body, const std::string& where) {
     return refuse(ErrorCode::kInvalidInput, where,
                   "two bodies are called '" + body.name + "'; rename one");
   }
-  const auto own = cell_->spec_.body_padding.find(body.name);
-  if (own != cell_->spec_.body_padding.end()) body.padding = own->second;
+  body.padding = padding_of(body.name, body.padding);
   if (!(body.padding >= 0) || !std::isfinite(body.padding)) {
     return refuse(ErrorCode::kInvalidInput, cell_->spec_.file.string(),
                   "the padding of '" + body.name + "' is " + std::to_string(body.padding) +
@@ -123,6 +122,11 @@ Result<void> WorkcellBuilder::add_body(Body body, const std::string& where) {
   body.moved_by = arms_between(body.link, 0);
   cell_->bodies_.push_back(std::move(body));
   return {};
+}
+
+double WorkcellBuilder::padding_of(const std::string& body, double otherwise) const {
+  const auto own = cell_->spec_.body_padding.find(body);
+  return own == cell_->spec_.body_padding.end() ? otherwise : own->second;
 }
 
 Result<void> WorkcellBuilder::check_body_padding() const {
@@ -144,6 +148,29 @@ Result<int> WorkcellBuilder::body_named(const std::string& name, const std::stri
   return refuse(ErrorCode::kNotFound, where,
                 "there is no body '" + name + "'" + name_hint(name, known) +
                     " (robot links are written ROBOT/LINK)");
+}
+
+Result<void> WorkcellBuilder::skip_pairs() {
+  const WorkcellSpec& spec = cell_->spec_;
+  Result<void> done;
+  for (const RobotSpec& robot : spec.robots) {
+    if (done) done = skip_disabled(robot);
+  }
+  const auto touch = [&](const std::string& name, const auto& object) {
+    for (const std::string& other : object.touching) {
+      if (done) done = skip_allowed(name, other, "attached, may touch", object.where);
+    }
+  };
+  for (const AttachedSpec& attached : spec.attached) {
+    if (!cell_->scene_.objects.contains(attached.name)) touch(attached.name, attached);
+  }
+  for (const auto& [name, object] : cell_->scene_.objects) touch(name, object);
+  for (const auto* allowed : {&spec.allowed, &std::as_const(cell_->scene_.allowed)}) {
+    for (const AllowedPair& pair : *allowed) {
+      if (done) done = skip_allowed(pair.a, pair.b, "allowed: " + pair.reason, pair.where);
+    }
+  }
+  return done;
 }
 
 /// Links without shapes are no bodies, and an SRDF may well name them.
@@ -192,6 +219,8 @@ ArmMask WorkcellBuilder::arms_between(int link_a, int link_b) const {
 }
 
 void WorkcellBuilder::make_pairs() {
+  cell_->pairs_.clear();
+  cell_->skipped_pairs_.clear();
   const int count = static_cast<int>(cell_->bodies_.size());
   for (int a = 0; a < count; ++a) {
     for (int b = a + 1; b < count; ++b) {

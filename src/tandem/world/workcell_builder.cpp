@@ -36,11 +36,6 @@ Result<void> check_unique(const std::vector<Spec>& specs, const std::string& wha
   return {};
 }
 
-bool is_rigid(const Eigen::Isometry3d& X) {
-  return X.matrix().allFinite() && (X.linear() * X.linear().transpose()).isIdentity(1e-6) &&
-         X.linear().determinant() > 0;
-}
-
 bool is_free(const robot::Joint& joint) { return joint.position_index >= 0; }
 
 /// Name of the limit that a planned joint lacks, or "".
@@ -69,20 +64,10 @@ Result<std::shared_ptr<const Workcell>> WorkcellBuilder::build() {
   if (done) done = add_obstacles();
   if (done) done = add_attached();
   if (done) done = check_body_padding();
-  for (const RobotSpec& robot : spec.robots) {
-    if (done) done = skip_disabled(robot);
-  }
-  for (const AttachedSpec& attached : spec.attached) {
-    for (const std::string& name : attached.touching) {
-      if (done) done = skip_allowed(attached.name, name, "attached, may touch", attached.where);
-    }
-  }
-  for (const AllowedPair& allowed : spec.allowed) {
-    if (done)
-      done = skip_allowed(allowed.a, allowed.b, "allowed: " + allowed.reason, allowed.where);
-  }
+  if (done) done = skip_pairs();
   if (done) make_pairs();
   if (done) done = resolve_queries();
+  if (done) done = check_changes();
   if (!done) return std::unexpected(done.error());
   return cell_;
 }
@@ -117,6 +102,16 @@ Result<void> WorkcellBuilder::check_names() const {
   Result<void> done = check_unique(spec.robots, "robot");
   if (done) done = check_unique(spec.arms, "arm");
   if (done) done = check_unique(spec.queries, "query");
+  if (done) done = check_unique(spec.lists, "list");
+  for (const QueryListSpec& list : spec.lists) {
+    if (done && list.name.find('/') != std::string::npos) {
+      return refuse(ErrorCode::kInvalidInput, list.where,
+                    "list '" + list.name +
+                        "': its name must not contain '/', which separates it from the names of "
+                        "its queries");
+    }
+    if (done) done = check_unique(list.queries, "query");
+  }
   return done;
 }
 
@@ -317,24 +312,67 @@ Result<void> WorkcellBuilder::fix_positions() {
 }
 
 Result<void> WorkcellBuilder::resolve_queries() {
-  for (const QuerySpec& spec : cell_->spec_.queries) {
-    auto start = resolve_goals(spec.start, "start of query '" + spec.name + "'");
+  Result<void> done = resolve_list(cell_->spec_.queries, "", cell_->queries_);
+  for (const QueryListSpec& spec : cell_->spec_.lists) {
+    if (!done) return done;
+    QueryList list{spec.name, {}};
+    done = resolve_list(spec.queries, spec.name + "/", list.queries);
+    for (const Query& query : list.queries) {
+      if (cell_->list_of(query.name) == nullptr) continue;
+      return refuse(ErrorCode::kInvalidInput, spec.where,
+                    "query '" + query.name + "' exists twice; rename one");
+    }
+    cell_->lists_.push_back(std::move(list));
+  }
+  return done;
+}
+
+Result<void> WorkcellBuilder::resolve_list(const std::vector<QuerySpec>& specs,
+                                           const std::string& prefix,
+                                           std::vector<Query>& queries) const {
+  for (const QuerySpec& spec : specs) {
+    const std::string name = prefix + spec.name;
+    auto start = resolve_goals(spec.start, "start of query '" + name + "'");
     if (!start) return refuse(start.error().code, spec.where, start.error().message);
-    auto goal = resolve_goals(spec.goal, "goal of query '" + spec.name + "'");
+    auto goal = resolve_goals(spec.goal, "goal of query '" + name + "'");
     if (!goal) return refuse(goal.error().code, spec.where, goal.error().message);
     if (spec.goal.empty()) {
       return refuse(ErrorCode::kInvalidInput, spec.where,
-                    "query '" + spec.name + "' has no goal; give at least one arm a goal");
+                    "query '" + name + "' has no goal; give at least one arm a goal");
     }
     for (std::size_t i = 0; i < start->size(); ++i) {
-      if ((*start)[i] || !cell_->queries_.empty()) continue;
+      if ((*start)[i] || !queries.empty()) continue;
       return refuse(ErrorCode::kInvalidInput, spec.where,
-                    "query '" + spec.name + "' has no start for arm '" + cell_->arms_[i].name +
+                    "query '" + name + "' has no start for arm '" + cell_->arms_[i].name +
                         "' and there is no query before it; give that arm a start");
     }
-    cell_->queries_.push_back({spec.name, std::move(*start), std::move(*goal)});
+    queries.push_back({name, std::move(*start), std::move(*goal), spec.changes});
   }
   return {};
+}
+
+/// What the queries of a list do to its objects in turn. Names and order do not depend on where the
+/// arms are, so any configuration will do.
+Result<void> WorkcellBuilder::check_changes() const {
+  const Eigen::VectorXd q = Eigen::VectorXd::Zero(cell_->dof_);
+  const auto check = [&](const std::vector<Query>& queries) -> Result<void> {
+    std::shared_ptr<const Workcell> cell = cell_;
+    for (const Query& query : queries) {
+      if (query.changes.empty()) continue;
+      auto changed = after_changes(cell, query.changes, q);
+      if (!changed) {
+        return fail(changed.error().code,
+                    changed.error().message + " (before query '" + query.name + "')");
+      }
+      cell = std::move(*changed);
+    }
+    return {};
+  };
+  Result<void> done = check(cell_->queries_);
+  for (const QueryList& list : cell_->lists_) {
+    if (done) done = check(list.queries);
+  }
+  return done;
 }
 
 Result<std::vector<std::optional<ArmGoal>>> WorkcellBuilder::resolve_goals(

@@ -13,7 +13,11 @@ class WorkcellBuilder {
   explicit WorkcellBuilder(WorkcellSpec spec) : cell_(new Workcell()) {
     cell_->spec_ = std::move(spec);
   }
+  /// For the same cell in another scene.
+  explicit WorkcellBuilder(const Workcell& cell);
+
   Result<std::shared_ptr<const Workcell>> build();
+  Result<std::shared_ptr<const Workcell>> build_in(SceneState scene);
 
  private:
   // workcell_builder.cpp
@@ -27,6 +31,9 @@ class WorkcellBuilder {
   Result<void> stack_joint(const Arm& arm, int joint);
   Result<void> fix_positions();
   Result<void> resolve_queries();
+  Result<void> resolve_list(const std::vector<QuerySpec>& specs, const std::string& prefix,
+                            std::vector<Query>& queries) const;
+  Result<void> check_changes() const;
   Result<std::vector<std::optional<ArmGoal>>> resolve_goals(
       const std::map<std::string, ArmGoal>& goals, const std::string& where) const;
   Result<void> check_goal(int arm, const ArmGoal& goal) const;
@@ -37,6 +44,8 @@ class WorkcellBuilder {
   Result<void> add_attached();
   Result<void> add_body(Body body, const std::string& where);
   Result<void> check_body_padding() const;
+  double padding_of(const std::string& body, double otherwise) const;
+  Result<void> skip_pairs();
   Result<void> skip_disabled(const RobotSpec& robot);
   Result<void> skip_allowed(const std::string& a, const std::string& b, const std::string& reason,
                             const std::string& where);
@@ -44,6 +53,13 @@ class WorkcellBuilder {
   /// Arms with a joint on the way through the tree from one link to the other.
   ArmMask arms_between(int link_a, int link_b) const;
   Result<int> body_named(const std::string& name, const std::string& where) const;
+
+  // workcell_scene.cpp
+  Result<void> check_scene() const;
+  void place_objects();
+  void place_object(const std::string& name, const ObjectState& home,
+                    const std::vector<geometry::Shape>& shapes,
+                    const std::vector<geometry::PlacedSurface>& surfaces);
 
   int owner(int joint) const;  ///< Arm that moves the joint, itself or by mimicry; -1 if none.
 
@@ -57,6 +73,11 @@ class WorkcellBuilder {
 inline std::unexpected<Error> refuse(ErrorCode code, const std::string& where,
                                      const std::string& message) {
   return fail(code, where.empty() ? message : where + ": " + message);
+}
+
+inline bool is_rigid(const Eigen::Isometry3d& X) {
+  return X.matrix().allFinite() && (X.linear() * X.linear().transpose()).isIdentity(1e-6) &&
+         X.linear().determinant() > 0;
 }
 
 }  // namespace tandem::world
