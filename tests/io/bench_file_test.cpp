@@ -60,7 +60,7 @@ TEST(BenchJson, HasExactlyTheKeysOfTheSchema) {
       "queries",      "success",  "failures", "times_ms", "motion_duration_s",
       "makespan_s",   "f_before", "f_after",  "L_before", "L_after",
       "joint_length", "arms",     "rungs"};
-  std::vector<std::string> top = {"workcell", "preset", "strategy", "plpp", "cycles"};
+  std::vector<std::string> top = {"workcell", "list", "preset", "strategy", "plpp", "cycles"};
   top.insert(top.end(), shared.begin(), shared.end());
   top.push_back("per_query");
   std::vector<std::string> found;
