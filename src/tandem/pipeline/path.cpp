@@ -113,7 +113,8 @@ Result<PathPlan> plan_path(const std::shared_ptr<const world::Workcell>& cell,
   PlanReport own;
   PlanOptions path_options = options;
   path_options.keep_phases = false;
-  return find_path(collision::SsvChecker(cell), query, path_options, report ? *report : own);
+  const collision::SsvChecker checker(query.cell ? query.cell : cell);
+  return find_path(checker, query, path_options, report ? *report : own);
 }
 
 Result<double> certify_path(const std::shared_ptr<const world::Workcell>& cell,

@@ -95,12 +95,15 @@ Answer Answers::plan(const std::string& body, std::stop_token token) {
   if (!ends) return failure(ends.error());
   const auto plan = pipeline::plan(cell_, *ends, options);
   if (!plan) {
-    return failure(plan.error(), touching_ends(checker_, all_pairs_, *ends));
+    // In the query's own cell.
+    const collision::SsvChecker checker(ends->cell ? ends->cell : cell_);
+    return failure(plan.error(),
+                   touching_ends(checker, checker.cell().select(world::PairScope::all()), *ends));
   }
   const auto text = plan_json_(*plan);
   if (!text) return failure(text.error());
   return {200, "{\"plan\":" + *text + ",\"clearance\":" +
-                   describe_clearance(cell_, plan->trajectory, kClearanceRate) + "}"};
+                   describe_clearance(plan->ends.cell, plan->trajectory, kClearanceRate) + "}"};
 }
 
 Answer Answers::ik(const std::string& body, std::stop_token token) const {
