@@ -6,6 +6,7 @@ find_package(hwy REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(assimp REQUIRED)
+find_package(Qhull CONFIG REQUIRED)
 # fcl's pkg-config file forces C++11; its CMake target does not.
 find_package(fcl CONFIG REQUIRED)
 find_package(ompl CONFIG REQUIRED)

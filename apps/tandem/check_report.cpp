@@ -53,6 +53,8 @@ const char* shape_name(const geometry::Shape& shape) {
       return "box";
     case geometry::CoreType::kCylinder:
       return "cylinder";
+    case geometry::CoreType::kConvex:
+      return "convex polytope";
   }
   return "unknown";
 }

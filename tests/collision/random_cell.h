@@ -49,12 +49,17 @@ inline Shape random_shape(Rng& rng, CoreType type, double size, double radius) {
       return *Shape::box(X, {extent(), extent(), extent()}, rng.index(2) == 0 ? 0.0 : radius);
     case CoreType::kCylinder:
       return *Shape::cylinder(X, 0.5 * extent(), extent(), rng.index(2) == 0 ? 0.0 : radius);
+    case CoreType::kConvex: {
+      std::vector<Eigen::Vector3d> points(12);
+      for (Eigen::Vector3d& v : points) v = X * random_point(rng, 0.5 * size);
+      return *Shape::convex(points, rng.index(2) == 0 ? 0.0 : radius);
+    }
   }
   throw std::logic_error("no such core");
 }
 
 inline Shape random_shape(Rng& rng, double size, double radius) {
-  return random_shape(rng, static_cast<CoreType>(rng.index(6)), size, radius);
+  return random_shape(rng, static_cast<CoreType>(rng.index(7)), size, radius);
 }
 
 /// A chain of `joints` joints of random kinds and axes; the last one's follower mimics it.
@@ -105,7 +110,7 @@ inline world::WorkcellSpec random_cell_spec(std::uint64_t seed, const RandomCell
   Rng rng(seed);
   const auto shape = [&](double size, double radius) {
     const CoreType type =
-        o.cores.empty() ? static_cast<CoreType>(rng.index(6)) : o.cores[rng.index(o.cores.size())];
+        o.cores.empty() ? static_cast<CoreType>(rng.index(7)) : o.cores[rng.index(o.cores.size())];
     return random_shape(rng, type, size, radius);
   };
   world::WorkcellSpec spec;

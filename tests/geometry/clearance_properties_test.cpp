@@ -20,10 +20,11 @@ Isometry3d translation(const Vector3d& p) {
   return X;
 }
 
-/// Two cylinders' depth is what is least exact.
+/// Two cylinders' depth is what is least exact, and that of convex cores.
 double tolerance(const Shape& a, const Shape& b) {
   const bool cylinders = a.type() == CoreType::kCylinder && b.type() == CoreType::kCylinder;
-  return cylinders ? 1e-7 : 1e-12;
+  const bool convex = a.type() == CoreType::kConvex || b.type() == CoreType::kConvex;
+  return cylinders || convex ? 1e-7 : 1e-12;
 }
 
 /// Calls `check(a, b, c, rng)` on random pairs of every two types.
@@ -82,8 +83,8 @@ TEST(Clearance, NormalAndWitnessGiveTheGradientOfAnyRigidMotion) {
   constexpr double h = 1e-6;
   double worst = 0;
   for (int i = 0; i < 20000; ++i) {
-    const Shape a = random_shape(rng, kCoreTypes[rng.index(6)], Draw::kGeneric, 1);
-    const Shape b = random_shape(rng, kCoreTypes[rng.index(6)], Draw::kGeneric, 1);
+    const Shape a = random_shape(rng, kCoreTypes[rng.index(kCoreTypes.size())], Draw::kGeneric, 1);
+    const Shape b = random_shape(rng, kCoreTypes[rng.index(kCoreTypes.size())], Draw::kGeneric, 1);
     const Clearance c = clearance(a, b);
     const double gap = c.distance + a.radius() + b.radius();
     if (gap < 0.05) continue;  // Nearer, the curvature of the distance exceeds what h allows.

@@ -55,6 +55,11 @@ fcl::CollisionObjectd to_fcl(const Shape& shape) {
     case CoreType::kCylinder:
       X.linear() = along_z;
       return {std::make_shared<fcl::Cylinderd>(shape.core_radius(), 2 * u.col(0).norm()), X};
+    case CoreType::kConvex: {
+      std::vector<std::vector<int>> faces;
+      for (const auto& t : shape.hull().triangles) faces.emplace_back(t.begin(), t.end());
+      return {convex(shape.hull_vertices(), faces), Isometry3d::Identity()};
+    }
   }
   throw std::logic_error("no such type");
 }

@@ -16,6 +16,13 @@ Vector3r support(const Shape& shape, const Vector3r& n) {
              return v.dot(n) < w.dot(n);
            });
   }
+  if (shape.type() == CoreType::kConvex) {
+    const auto& vertices = shape.hull().vertices;
+    const Vector3r n_H = u.transpose() * n;
+    return p + u * std::ranges::max_element(vertices, {}, [&](const auto& v) {
+                     return v.template cast<Real>().dot(n_H);
+                   })->template cast<Real>();
+  }
   for (int i = 0; i < shape.size_count(); ++i) p += (u.col(i).dot(n) < 0 ? -1 : 1) * u.col(i);
   if (shape.type() == CoreType::kCylinder) {
     const Vector3r along = u.col(0).normalized();

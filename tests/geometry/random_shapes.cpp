@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <limits>
 #include <sstream>
 
 namespace tandem::geometry {
@@ -114,6 +115,49 @@ class Drawer {
   Matrix3d tilt_;
 };
 
+/// The hull of points anywhere in a box, or of some of the middles and corners of its faces.
+Shape random_convex(Rng& rng, const Isometry3d& X, const Vector3d& size, Drawer& drawer) {
+  const bool lattice = rng.index(2) == 0;
+  for (;;) {
+    std::vector<Vector3d> points(4 + rng.index(lattice ? 8 : 30));
+    for (Vector3d& p : points) {
+      p = random_point(rng, 0.5);
+      if (lattice) p = 0.5 * (2 * p).array().round();
+      p = X * p.cwiseProduct(size);
+    }
+    Result<Shape> shape = Shape::convex(points, drawer.radius(true));
+    if (!shape) shape = Shape::convex(points, drawer.radius(false));
+    if (shape->type() == CoreType::kConvex) return *shape;
+  }
+}
+
+double distance_to_triangle(const Vector3d& q, const Vector3d& s, const Vector3d& r) {
+  const Vector3d corners[] = {Vector3d::Zero(), q, s};
+  double best = r.norm();
+  for (int k = 0; k < 3; ++k) {
+    const Vector3d from = corners[k], edge = corners[(k + 1) % 3] - from;
+    const double length = edge.norm();
+    const Vector3d along = length > 0 ? Vector3d(edge / length) : Vector3d::Zero();
+    const double t = std::clamp((r - from).dot(along), 0.0, length);
+    best = std::min(best, (r - from - t * along).norm());
+  }
+  const Eigen::Matrix<double, 3, 2> edges = (Eigen::Matrix<double, 3, 2>() << q, s).finished();
+  const Vector2d st = edges.colPivHouseholderQr().solve(r);
+  if (st.minCoeff() >= 0 && st.sum() <= 1) best = std::min(best, (r - edges * st).norm());
+  return best;
+}
+
+double distance_to_hull(const ConvexHull& hull, const Vector3d& p_H) {
+  double best = std::numeric_limits<double>::infinity(), beyond = -best;
+  for (const auto& t : hull.triangles) {
+    const auto at = [&](std::size_t k) { return hull.vertices[static_cast<std::size_t>(t[k])]; };
+    const Vector3d q = at(1) - at(0), s = at(2) - at(0), r = p_H - at(0), n = q.cross(s);
+    best = std::min(best, distance_to_triangle(q, s, r));
+    beyond = std::max(beyond, n.dot(r));
+  }
+  return beyond <= 0 ? 0 : best;
+}
+
 }  // namespace
 
 Shape random_shape(Rng& rng, CoreType type, Draw draw, double spread) {
@@ -138,6 +182,8 @@ Shape random_shape(Rng& rng, CoreType type, Draw draw, double spread) {
       return *Shape::box(X, Vector3d(x, y, z), drawer.radius(true));
     case CoreType::kCylinder:
       return *Shape::cylinder(X, 0.5 * x, y, drawer.radius(true));
+    case CoreType::kConvex:
+      return random_convex(rng, X, Vector3d(x, y, z), drawer);
   }
   throw std::logic_error("no such type");
 }
@@ -146,20 +192,9 @@ double distance_to_core(const Shape& shape, const Vector3d& p) {
   const auto& u = shape.extents();
   const Vector3d r = p - shape.origin();
   if (shape.type() == CoreType::kTriangle) {
-    const Vector3d q = u.col(0), s = u.col(1), corners[] = {Vector3d::Zero(), q, s};
-    double best = r.norm();
-    for (int k = 0; k < 3; ++k) {
-      const Vector3d from = corners[k], edge = corners[(k + 1) % 3] - from;
-      const double length = edge.norm();
-      const Vector3d along = length > 0 ? Vector3d(edge / length) : Vector3d::Zero();
-      const double t = std::clamp((r - from).dot(along), 0.0, length);
-      best = std::min(best, (r - from - t * along).norm());
-    }
-    const Eigen::Matrix<double, 3, 2> edges = u.leftCols<2>();
-    const Vector2d st = edges.colPivHouseholderQr().solve(r);
-    if (st.minCoeff() >= 0 && st.sum() <= 1) best = std::min(best, (r - edges * st).norm());
-    return best;
+    return distance_to_triangle(u.col(0), u.col(1), r);
   }
+  if (shape.type() == CoreType::kConvex) return distance_to_hull(shape.hull(), u.transpose() * r);
   Vector3d outside = r;
   for (int i = 0; i < shape.size_count(); ++i) {
     const double length = u.col(i).norm();
@@ -177,6 +212,9 @@ std::string describe(const Shape& shape) {
   out << std::setprecision(17) << to_string(shape.type()) << " c " << shape.origin().transpose();
   for (int i = 0; i < shape.size_count(); ++i) out << " u " << shape.extents().col(i).transpose();
   out << " R " << shape.core_radius() << " r " << shape.radius();
+  if (shape.type() == CoreType::kConvex) {
+    for (const Vector3d& v : shape.hull().vertices) out << "\n    " << v.transpose();
+  }
   return out.str();
 }
 

@@ -10,9 +10,9 @@
 
 namespace tandem::geometry {
 
-inline constexpr std::array kCoreTypes{CoreType::kPoint,    CoreType::kSegment,
-                                       CoreType::kTriangle, CoreType::kRectangle,
-                                       CoreType::kBox,      CoreType::kCylinder};
+inline constexpr std::array kCoreTypes{
+    CoreType::kPoint, CoreType::kSegment,  CoreType::kTriangle, CoreType::kRectangle,
+    CoreType::kBox,   CoreType::kCylinder, CoreType::kConvex};
 
 /// How shapes are drawn.
 enum class Draw {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tandem/core/contract.h"
+#include "tandem/geometry/convex_pair.h"
 #include "tandem/geometry/cylinder.h"
 #include "tandem/geometry/orthotope.h"
 #include "tandem/geometry/polytope.h"
@@ -41,6 +42,8 @@ Nearest nearest_to_point(const Vector3d& p, const Shape& b) {
       return nearest_point_orthotope<3>(p, b);
     case CoreType::kCylinder:
       return nearest_point_cylinder(p, b);
+    case CoreType::kConvex:
+      return nearest_with_convex(Shape::sphere(p, 1)->padded(-1), b);
   }
   return {};
 }
@@ -62,12 +65,15 @@ Query query_segment(const Shape& a, const Shape& b) {
       return {nearest_segment_orthotope<3>(segment, b)};
     case CoreType::kCylinder:
       return {nearest_segment_cylinder(segment, b)};
+    case CoreType::kConvex:
+      return {nearest_with_convex(a, b), false};
   }
   return {};
 }
 
 Query query(const Shape& a, const Shape& b) {
   using enum CoreType;
+  if (a.type() == kConvex || b.type() == kConvex) return {detail::nearest_with_convex(a, b), false};
   if (a.type() == kPoint) return {nearest_to_point(a.origin(), b)};
   if (a.type() == kSegment) return query_segment(a, b);
   if (b.type() == kPoint || b.type() == kSegment) {

@@ -132,22 +132,40 @@ bool Polytope::expand_nearest(const Vector3d& w) {
 
 }  // namespace
 
+namespace {
+
+/// Half axes of an octahedron in a core about its origin; zero if the core has no volume.
+Eigen::Matrix3d octahedron_in(const Shape& shape) {
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
+  if (shape.type() == CoreType::kBox) axes = shape.extents();
+  if (shape.type() == CoreType::kConvex) axes = shape.extents() * shape.hull().inner;
+  if (shape.type() == CoreType::kCylinder) {
+    const Vector3d z = shape.extents().col(0);
+    axes.col(0) = z;
+    axes.col(1) = shape.core_radius() * z.unitOrthogonal();
+    axes.col(2) = z.normalized().cross(axes.col(1));
+  }
+  return axes;
+}
+
+}  // namespace
+
 Separation expand_polytope(const Shape& a, const Shape& b, const Separation& guess) {
   constexpr int kSteps = 1000;
-  constexpr double kTolerance = 1e-8;  // [m]
-  const Shape& cylinder = a.type() == CoreType::kCylinder ? a : b;
-  const Vector3d z = cylinder.extents().col(0);
-  const Vector3d x = cylinder.core_radius() * z.unitOrthogonal();
-  const Vector3d y = z.normalized().cross(x);
-  Polytope polytope(b.origin() - a.origin(), x, y, z);
+  const bool curved = a.type() == CoreType::kCylinder || b.type() == CoreType::kCylinder;
+  const double tolerance = curved ? 1e-8 : 1e-12;  // [m] Facets, unlike curves, are reached.
+  const Eigen::Matrix3d in_a = octahedron_in(a), in_b = octahedron_in(b);
+  const Eigen::Matrix3d& x =
+      std::abs(in_a.determinant()) > std::abs(in_b.determinant()) ? in_a : in_b;
+  Polytope polytope(b.origin() - a.origin(), x.col(0), x.col(1), x.col(2));
   Separation best = guess;
   for (int step = 0; step < kSteps; ++step) {
     const std::optional<Facet> nearest = polytope.nearest();
-    if (!nearest || -best.gap <= nearest->offset + kTolerance) break;
+    if (!nearest || -best.gap <= nearest->offset + tolerance) break;
     const Vector3d w = b.support(nearest->nhat) - a.support(-nearest->nhat);
     const double reach = w.dot(nearest->nhat);
     if (-reach > best.gap) best = {nearest->nhat, -reach};
-    if (reach <= nearest->offset + kTolerance || !polytope.expand_nearest(w)) break;
+    if (reach <= nearest->offset + tolerance || !polytope.expand_nearest(w)) break;
   }
   return best;
 }

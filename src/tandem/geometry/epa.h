@@ -5,7 +5,7 @@
 
 namespace tandem::geometry::detail {
 
-/// The best separation of cores that overlap or nearly touch, at least one of them a cylinder, not
+/// The best separation of cores that overlap or nearly touch, at least one of them with volume, not
 /// worse than `guess`. The polytope grows inside B - A until its nearest facet is a facet of it.
 /// Ref: van den Bergen, Proximity queries and penetration depth computation on 3D game objects
 /// (2001).

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "tandem/geometry/convex_pair.h"
 #include "tandem/geometry/cylinder.h"
 #include "tandem/geometry/polytope.h"
 
@@ -41,6 +42,14 @@ Interval project(const Shape& shape, const Vector3d& nhat) {
       reach = std::abs(along(0)) + shape.core_radius() * sine;
       break;
     }
+    case CoreType::kConvex: {
+      const ConvexHull& hull = shape.hull();
+      const Vector3d n_H = u.transpose() * nhat;
+      const auto height = [&](int i) {
+        return n_H.dot(hull.vertices[static_cast<std::size_t>(i)]);
+      };
+      return {height(hull.support(-n_H)), height(hull.support(n_H))};
+    }
   }
   return {-reach, reach};
 }
@@ -55,9 +64,11 @@ struct Directions {
   const Vector3d* end() const { return list + count; }
 };
 
-/// One vector along every family of parallel edges; of a cylinder, along its side.
+/// One vector along every family of parallel edges; of a cylinder, along its side. A convex core
+/// has no families.
 Directions edges(const Shape& shape) {
   Directions edges;
+  if (shape.type() == CoreType::kConvex) return edges;
   for (int i = 0; i < shape.size_count(); ++i) edges.add(shape.extents().col(i));
   if (shape.type() == CoreType::kTriangle) edges.add(edges.list[1] - edges.list[0]);
   return edges;
@@ -68,6 +79,7 @@ Directions face_normals(const Shape& shape) {
   switch (shape.type()) {
     case CoreType::kPoint:
     case CoreType::kSegment:
+    case CoreType::kConvex:
       break;
     case CoreType::kTriangle:
     case CoreType::kRectangle:
@@ -126,8 +138,9 @@ Separation best_separation(const Shape& a, const Shape& b, const Nearest& neares
   }
   // Where no facet exists (all edges parallel) every normal to them is as good; so it is where all
   // of one core is on a cylinder's axis.
+  const bool convex = a.type() == CoreType::kConvex || b.type() == CoreType::kConvex;
   const bool curved = a.type() == CoreType::kCylinder || b.type() == CoreType::kCylinder;
-  if (curved || !search.found_any()) search.consider(normal_to_all(edges_a, edges_b));
+  if (curved || convex || !search.found_any()) search.consider(normal_to_all(edges_a, edges_b));
   // Still apart at a corner or edge: what is left of the gap, freed of its noise along an edge.
   const Vector3d& e = nearest.p_BA_W;
   if (nearest.squared > 0) {
@@ -138,7 +151,11 @@ Separation best_separation(const Shape& a, const Shape& b, const Nearest& neares
       }
     }
   }
-  if (curved) search_curved(a, b, search);
+  if (convex) {
+    search_convex(a, b, search);
+  } else if (curved) {
+    search_curved(a, b, search);
+  }
   return search.best();
 }
 

@@ -82,6 +82,8 @@ const char* to_string(CoreType type) {
       return "box";
     case CoreType::kCylinder:
       return "cylinder";
+    case CoreType::kConvex:
+      return "convex";
   }
   throw ContractViolation("not a core type: " + std::to_string(static_cast<int>(type)));
 }
@@ -145,6 +147,27 @@ Result<Shape> Shape::cylinder(const Isometry3d& X_FC, double core_radius, double
                columns(0.5 * length * X_FC.linear().col(2)), core_radius, radius);
 }
 
+Result<Shape> Shape::convex(std::span<const Vector3d> points_F, double radius) {
+  Arguments arguments("convex shape");
+  arguments.not_negative("radius", radius);
+  if (!arguments.complaint().empty()) return fail(ErrorCode::kInvalidInput, arguments.complaint());
+  Result<HullPoints> found = convex_hull(points_F);
+  if (!found) {
+    return fail(found.error().code, "convex shape: " + found.error().message);
+  }
+  if (radius == 0 && found->dimension < 3) {
+    constexpr const char* kWhere[] = {"at one place", "on one line", "in one plane"};
+    return fail(ErrorCode::kInvalidInput, std::string("convex shape: all points lie ") +
+                                              kWhere[found->dimension] +
+                                              ", so that it has no volume; give it a radius > 0");
+  }
+  if (found->dimension == 0) return sphere(found->end_a, radius);
+  if (found->dimension == 1) return capsule(found->end_a, found->end_b, radius);
+  Shape shape(CoreType::kConvex, found->center, Matrix3d::Identity(), 0, radius);
+  shape.hull_ = std::make_shared<const ConvexHull>(std::move(found->hull));
+  return shape;
+}
+
 Shape Shape::in(const Isometry3d& X_WF) const {
   Shape shape_W = *this;
   shape_W.c_ = X_WF * c_;
@@ -186,12 +209,21 @@ Vector3d Shape::support(const Vector3d& direction) const {
       const Vector3d end = c_ + side(0) * axis;
       return length > 0 ? Vector3d(end + core_radius_ / length * across) : end;
     }
+    case CoreType::kConvex: {
+      const int i = hull_->support(u_.transpose() * direction);
+      return c_ + u_ * hull_->vertices[static_cast<std::size_t>(i)];
+    }
   }
   return c_;
 }
 
 std::vector<Vector3d> Shape::hull_vertices() const {
   if (type_ == CoreType::kTriangle) return {c_, c_ + u_.col(0), c_ + u_.col(1)};
+  if (type_ == CoreType::kConvex) {
+    std::vector<Vector3d> vertices;
+    for (const Vector3d& v : hull_->vertices) vertices.push_back(c_ + u_ * v);
+    return vertices;
+  }
   Matrix3d u = u_;
   int n = size_count();
   if (type_ == CoreType::kCylinder) {
@@ -210,6 +242,7 @@ std::vector<Vector3d> Shape::hull_vertices() const {
 }
 
 Vector3d Shape::bounding_center() const {
+  if (type_ == CoreType::kConvex) return c_ + u_ * hull_->bounding_center;
   if (type_ != CoreType::kTriangle) return c_;
   // Of an obtuse triangle the middle of the longest edge, else the circumcentre.
   const Vector3d q = u_.col(0), r = u_.col(1);
@@ -222,6 +255,7 @@ Vector3d Shape::bounding_center() const {
 }
 
 double Shape::bounding_radius() const {
+  if (type_ == CoreType::kConvex) return hull_->bounding_radius + radius_;
   if (type_ == CoreType::kTriangle) {
     const Vector3d p = bounding_center() - c_;
     const double square =
@@ -254,6 +288,8 @@ double Shape::volume() const {
     case CoreType::kCylinder:
       return kPi * core * core * size[0] + 2 * kPi * core * (size[0] + core) * r +
              (kPi * size[0] + kPi * kPi * core) * r * r + ball;
+    case CoreType::kConvex:
+      return hull_->volume + hull_->surface * r + hull_->mean_width_term * r * r + ball;
   }
   return ball;
 }

@@ -1,18 +1,23 @@
 #pragma once
-/// Convex shapes: a core (point, segment, triangle, rectangle, box, cylinder) swept by a sphere.
+/// Convex shapes: a core (point, segment, triangle, rectangle, box, cylinder, convex polytope)
+/// swept by a sphere.
 
 #include <Eigen/Geometry>
 #include <array>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "tandem/core/contract.h"
 #include "tandem/core/result.h"
+#include "tandem/geometry/convex_hull.h"
 
 namespace tandem::geometry {
 
 /// Kind of a shape's core. With a positive radius: sphere, capsule, rounded triangle, rounded
-/// rectangle, rounded box, rounded cylinder.
-enum class CoreType { kPoint, kSegment, kTriangle, kRectangle, kBox, kCylinder };
+/// rectangle, rounded box, rounded cylinder, rounded polytope.
+enum class CoreType { kPoint, kSegment, kTriangle, kRectangle, kBox, kCylinder, kConvex };
 
 /// "point", "segment", ...
 const char* to_string(CoreType type);
@@ -23,6 +28,8 @@ const char* to_string(CoreType type);
 /// `size_count()` (0 to 3) mutually orthogonal half-extent vectors u. A triangle is
 /// {c + s0 u0 + s1 u1, si >= 0, s0 + s1 <= 1}: c is its first vertex, u its edges from there.
 /// A cylinder is {c + s0 u0 + y, |s0| <= 1, y normal to u0, |y| <= core_radius}.
+/// A convex core is {c + u p, p in hull()}: u is the rotation of the frame H of its hull, which all
+/// copies share.
 /// Instances carry their frame in the name: `shape_L` on a link, `shape_W` in the world.
 class Shape {
  public:
@@ -48,6 +55,11 @@ class Shape {
   static Result<Shape> cylinder(const Eigen::Isometry3d& X_FC, double core_radius, double length,
                                 double radius = 0);
 
+  /// The convex hull of any points, at least one. Where all of them lie on one line, or at one
+  /// place, a capsule or a sphere.
+  /// @param radius [m], >= 0; > 0 if the points are all in one plane.
+  static Result<Shape> convex(std::span<const Eigen::Vector3d> points_F, double radius = 0);
+
   CoreType type() const { return type_; }
   const Eigen::Vector3d& origin() const { return c_; }
   /// Columns are the vectors u above; those past `size_count()` are zero.
@@ -55,11 +67,16 @@ class Shape {
   /// 1 / |u|^2 of every extent [1/m^2], 0 where it is zero: what makes projections on u cheap.
   const Eigen::Vector3d& inverse_squares() const { return inverse_squares_; }
   int size_count() const {
-    constexpr int kCounts[] = {0, 1, 2, 2, 3, 1};
+    constexpr int kCounts[] = {0, 1, 2, 2, 3, 1, 3};
     return kCounts[static_cast<int>(type_)];
   }
   double radius() const { return radius_; }
   double core_radius() const { return core_radius_; }
+  /// Vertices and faces of a convex core in its frame H; of other cores there is none.
+  const ConvexHull& hull() const {
+    expects(hull_ != nullptr, "Shape::hull: only a convex core has one");
+    return *hull_;
+  }
 
   /// Same shape seen from W: `shape_W = shape_L.in(X_WL)`.
   Shape in(const Eigen::Isometry3d& X_WF) const;
@@ -68,15 +85,17 @@ class Shape {
 
   /// The point of the core furthest along `direction`, which need not be a unit vector.
   Eigen::Vector3d support(const Eigen::Vector3d& direction) const;
-  /// Core vertices (1, 2, 3, 4 or 8); a cylinder has the 8 corners of the box around its core, so
-  /// that "every vertex inside" is safe for every type.
+  /// Core vertices (1, 2, 3, 4, 8 or those of the hull); a cylinder has the 8 corners of the box
+  /// around its core, so that "every vertex inside" is safe for every type.
   std::vector<Eigen::Vector3d> hull_vertices() const;
-  /// Smallest sphere about `bounding_center()` that contains the whole shape [m].
+  /// Smallest sphere about `bounding_center()` that contains the whole shape [m]; of a convex core
+  /// the centre is nearly the best.
   Eigen::Vector3d bounding_center() const;
   double bounding_radius() const;
   double volume() const;  ///< [m^3]
 
  private:
+  friend class Surface;  // Its triangles need no radius.
   Shape(CoreType type, const Eigen::Vector3d& c, const Eigen::Matrix3d& u, double core_radius,
         double radius);
 
@@ -86,6 +105,7 @@ class Shape {
   Eigen::Vector3d inverse_squares_;
   double core_radius_;  // Of a cylinder, else 0.
   double radius_;
+  std::shared_ptr<const ConvexHull> hull_;  // Of a convex core.
 };
 
 }  // namespace tandem::geometry

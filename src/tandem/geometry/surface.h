@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "tandem/geometry/bounding_tree.h"
 #include "tandem/geometry/shape.h"
 
 namespace tandem::geometry {
@@ -36,9 +37,11 @@ class Surface {
   /// A rounded triangle (its radius may be 0) or a sphere, swept by `padding` more [m].
   Shape piece(int index, double padding = 0) const;
 
-  /// Whether every edge has one triangle on either side, so that there is an inside.
-  bool is_closed() const { return closed_; }
+  /// Whether every edge has one triangle on either side, all facing the same way, so that there is
+  /// an inside. Vertices at one place count as one.
+  bool is_closed() const { return !solid_.empty(); }
   /// Whether a point lies inside a closed mesh (without its radius); false for every other surface.
+  /// On the surface, to rounding, it may be either. A ray's crossings, in about O(log n).
   bool contains(const Eigen::Vector3d& p_S) const;
 
  private:
@@ -47,7 +50,9 @@ class Surface {
   std::vector<Eigen::Vector3d> vertices_;
   std::vector<std::array<int, 3>> triangles_;
   double radius_ = 0;
-  bool closed_ = false;
+  // Of a closed mesh: its triangles with those without area, joined where vertices are equal.
+  std::vector<std::array<int, 3>> solid_;
+  BoundingTree solid_tree_;
 };
 
 /// A surface somewhere in a frame F.

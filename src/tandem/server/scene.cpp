@@ -25,11 +25,19 @@ Json limit_json(double value) { return std::isfinite(value) ? Json(value) : Json
 Json shape_json(const geometry::Shape& shape) {
   Json extents = Json::array();
   for (int i = 0; i < 3; ++i) extents.push_back(vector_json(shape.extents().col(i)));
-  return {{"core", geometry::to_string(shape.type())},
-          {"origin", vector_json(shape.origin())},
-          {"extents", extents},
-          {"core_radius", shape.core_radius()},
-          {"radius", shape.radius()}};
+  Json json{{"core", geometry::to_string(shape.type())},
+            {"origin", vector_json(shape.origin())},
+            {"extents", extents},
+            {"core_radius", shape.core_radius()},
+            {"radius", shape.radius()}};
+  if (shape.type() == geometry::CoreType::kConvex) {
+    // In the frame of origin and extents, as the faces are.
+    json["vertices"] = Json::array();
+    for (const Eigen::Vector3d& v : shape.hull().vertices)
+      json["vertices"].push_back(vector_json(v));
+    json["faces"] = shape.hull().triangles;
+  }
+  return json;
 }
 
 /// Numbers as the bytes of a little-endian typed array, in base64: 100,000 points as JSON lists

@@ -75,6 +75,23 @@ FclPiece triangle_piece(const Vector3d& c, const Vector3d& u, const Vector3d& v)
   return piece;
 }
 
+FclPiece convex_piece(const Shape& shape_L) {
+  const geometry::ConvexHull& hull = shape_L.hull();
+  const Matrix3d& u = shape_L.extents();
+  FclPiece piece;
+  piece.vertices_G = shape_L.hull_vertices();
+  piece.surface = make_surface({piece.vertices_G, hull.triangles});
+  for (const Vector3d& n : hull.normals) add_direction(piece.normals_G, u * n);
+  for (const auto& [i, j] : hull.edges) {
+    const Vector3d edge =
+        hull.vertices[static_cast<std::size_t>(j)] - hull.vertices[static_cast<std::size_t>(i)];
+    add_direction(piece.edges_G, u * edge);
+    // Sideways, out of the edge.
+    if (hull.flat) add_direction(piece.normals_G, u * edge.cross(hull.normals.front()));
+  }
+  return piece;
+}
+
 void finish_polytope(FclPiece& piece) {
   // FCL's solver asks a polytope for its vertices only; any face will do.
   const auto vertices = std::make_shared<std::vector<Vector3d>>(piece.vertices_G);
@@ -175,7 +192,8 @@ FclPiece make_piece(const Shape& shape_L) {
         Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), u.col(0)).toRotationMatrix();
     piece.X_LG.translation() = shape_L.origin();
   } else {
-    piece = shape_L.type() == CoreType::kTriangle
+    piece = shape_L.type() == CoreType::kConvex ? convex_piece(shape_L)
+            : shape_L.type() == CoreType::kTriangle
                 ? triangle_piece(shape_L.origin(), u.col(0), u.col(1))
                 : orthotope_piece(shape_L.origin(), u);
     finish_polytope(piece);
