@@ -14,9 +14,9 @@ struct Clearance {
 };
 
 /// Clearance of two shapes in W, for every pair of core types.
-/// Exact to rounding; with a convex core and of two cylinders to 1e-9 m apart and 1e-6 m in
-/// penetration. Where cores touch or overlap, the normal is that of least translation. Never fails;
-/// allocates only for such pairs whose cores overlap.
+/// Exact to rounding; with a convex core and of two cylinders to 1e-9 m apart (a convex core and a
+/// cylinder: 1e-7 m) and 1e-6 m in penetration. Where cores touch or overlap, the normal is that of
+/// least translation. Never fails; allocates only for such pairs whose cores overlap.
 Clearance clearance(const Shape& a_W, const Shape& b_W);
 
 /// `clearance(a_W, b_W).distance` alone [m], faster.
