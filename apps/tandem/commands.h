@@ -12,6 +12,7 @@ inline constexpr int kInterrupted = 130;  ///< SIGINT or SIGTERM.
 
 void add_plan(CLI::App& app, int& exit_code);
 void add_check(CLI::App& app, int& exit_code);
+void add_fit(CLI::App& app, int& exit_code);
 void add_verify(CLI::App& app, int& exit_code);
 void add_bench(CLI::App& app, int& exit_code);
 void add_view(CLI::App& app, int& exit_code);  ///< In builds with the viewer's server only.

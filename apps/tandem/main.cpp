@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   int exit_code = tandem::app::kOk;
   tandem::app::add_plan(app, exit_code);
   tandem::app::add_check(app, exit_code);
+  tandem::app::add_fit(app, exit_code);
   tandem::app::add_verify(app, exit_code);
   tandem::app::add_bench(app, exit_code);
 #ifdef TANDEM_WITH_SERVER
