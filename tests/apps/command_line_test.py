@@ -18,7 +18,7 @@ from pathlib import Path
 
 PROGRAM, SOURCE = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
 CELL = SOURCE / "tests/apps/cell/workcell.yaml"
-COMMANDS = ("plan", "check", "verify", "bench", "view")
+COMMANDS = ("plan", "check", "verify", "bench", "fit", "view")
 
 
 class Done:
@@ -488,6 +488,28 @@ class BenchProblems(CommandLine):
         self.assertTrue(bench["interrupted"])
         self.assertGreater(bench["total"]["runs"], 0)
         self.assertIn("failures: none", out)
+
+
+class Fit(CommandLine):
+    URDF = CELL.parent / "arm.urdf"
+
+    def test_writes_a_volumes_file_and_a_table(self):
+        self.cell_with(lambda text: text)
+        done = self.ok("fit", "arm.urdf", "-o", "v.yaml", "--count", "1", "--starts", "1")
+        self.assertRegex(done.out, r"(?m)^upper +cylinder +252 ")
+        self.refused(2, "fit", "arm.urdf", "-o", "v.yaml", says=("v.yaml exists", "--force"))
+        links = json.loads(self.ok("fit", "arm.urdf", "--link", "upper", "--count", "1",
+                                   "--starts", "1", "--json").out)["links"]
+        self.assertEqual([(link["link"], link["triangles"]) for link in links], [("upper", 252)])
+
+    def test_refusals(self):
+        for arguments, says in ((("none.urdf",), "none.urdf"),
+                                ((self.URDF, "--link", "uper"), "did you mean 'upper'?"),
+                                ((self.URDF, "--count", "0"), "'0' is not a whole number from 1"),
+                                ((self.URDF, "--time", "0"), "--time"),
+                                ((self.URDF, "--padding", "-1"), "--padding")):
+            with self.subTest(arguments):
+                self.refused(2, "fit", *arguments, says=("tandem fit: ", says))
 
 
 class View(CommandLine):
