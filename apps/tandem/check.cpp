@@ -5,6 +5,8 @@
 #include "commands.h"
 #include "options.h"
 #include "stop_signals.h"
+#include "tandem/io/moveit_scene.h"
+#include "tandem/io/plan_file.h"
 
 namespace tandem::app {
 
@@ -14,6 +16,8 @@ struct CheckCommand {
   CellOptions cell;
   std::uint64_t seed = 1;
   bool pairs = false, json = false;
+  std::string scene;
+  bool force = false;
 };
 
 QueryCheck check_query(const std::shared_ptr<const world::Workcell>& cell,
@@ -25,11 +29,25 @@ QueryCheck check_query(const std::shared_ptr<const world::Workcell>& cell,
   return {query.name, true, ""};
 }
 
+/// Writes the obstacles as one of MoveIt's scenes, and says what it cannot say exactly.
+Result<void> export_scene(const world::Workcell& cell, const CheckCommand& command) {
+  const auto scene = io::moveit_scene_text(cell.name(), cell.spec().obstacles);
+  if (!scene) return std::unexpected(scene.error());
+  for (const std::string& note : scene->notes) {
+    std::cerr << "tandem check: " << command.scene << ": " << note << std::endl;
+  }
+  return io::write_file(command.scene, scene->text, command.force);
+}
+
 int run(const CheckCommand& command) {
   const StopSignals signals;
   const auto loaded = command.cell.load();
   if (!loaded) return report("check", loaded.error());
   const auto& cell = *loaded;
+  if (!command.scene.empty()) {
+    auto written = export_scene(*cell, command);
+    if (!written) return report("check", written.error());
+  }
   std::vector<QueryCheck> queries;
   std::vector<world::Query> all = cell->queries();
   for (const world::QueryList& list : cell->lists()) {
@@ -64,6 +82,10 @@ void add_check(CLI::App& app, int& exit_code) {
       ->capture_default_str()
       ->check(whole_number(0));
   sub->add_flag("--json", command->json, "Print JSON instead of tables");
+  sub->add_option("--export-scene", command->scene,
+                  "Write the obstacles here as a MoveIt scene (.scene)")
+      ->type_name("FILE");
+  add_force(*sub, command->force);
   sub->footer(
       "Shows robots, arms, joints and their limits, bodies and their shapes, how many pairs are\n"
       "checked and why others are skipped, and for each query whether the cell can stand at its\n"

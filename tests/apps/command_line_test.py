@@ -227,6 +227,19 @@ class Check(CommandLine):
         self.assertEqual(cell["queries"], [{"name": "swing", "feasible": True},
                                            {"name": "rise", "feasible": True}])
 
+    def test_obstacles_go_to_moveit_and_come_back(self):
+        self.ok("check", CELL, "--export-scene", "out.scene")
+        scene = (self.folder / "out.scene").read_text()
+        self.assertTrue(scene.startswith("two_small_arms\n* table\n0 0 -0.06\n0 0 0 1\n1\nbox\n"))
+        self.assertTrue(scene.endswith("\n.\n"))
+        self.refused(2, "check", CELL, "--export-scene", "out.scene", says="--force")
+        cell = self.cell_with(lambda text: re.sub(r"obstacles:\n(  - .*\n)+", "scene: out.scene\n",
+                                                  text))
+        self.assertNotIn("obstacles", cell.read_text())
+        self.assertEqual(self.ok("check", cell).out, self.ok("check", CELL).out)
+        self.ok("check", cell, "--export-scene", "again.scene")
+        self.assertEqual((self.folder / "again.scene").read_text(), scene)
+
     def test_infeasible_query_is_exit_1_with_pair_and_depth(self):
         low = self.cell_with(lambda text: text.replace("[0.9, -0.2, 0.3]", "[0.9, 0.9, 0.3]", 1))
         done = Done("check", low)

@@ -382,6 +382,29 @@ TEST_F(DocumentedCell, PassesOnTheErrorsOfItsFiles) {
   }
 }
 
+TEST_F(DocumentedCell, TakesObstaclesFromMoveitScenes) {
+  const char* const ball = "n\n* ball\n1\nsphere\n0.1\n1 2 3\n0 0 0 1\n0 0 0 0\n.\n";
+  folder_.write("scenes/ball.scene", ball);
+  folder_.write("can.scene", "n\n* can\n1\ncylinder\n0.1 1\n9 0 0\n0 0 0 1\n0 0 0 0\n.\n");
+  for (const char* scenes :
+       {"scene: scenes/ball.scene\n", "scene: [can.scene, scenes/ball.scene]\n"}) {
+    const auto loaded = load(text_ + scenes);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    const world::ObstacleSpec& last = (*loaded)->spec().obstacles.back();
+    EXPECT_EQ(last.name, "ball");
+    EXPECT_EQ(last.shapes_W.at(0).origin(), Eigen::Vector3d(1, 2, 3));
+    EXPECT_GE((*loaded)->find_body("table"), 0);
+  }
+  const auto refused = [&](const std::string& scenes) {
+    const auto loaded = load(text_ + scenes);
+    return loaded ? "" : loaded.error().message;
+  };
+  EXPECT_NE(refused("scene: gone.scene\n").find("there is no '"), std::string::npos);
+  EXPECT_NE(refused("scene: [can.scene, can.scene]\n").find("'can'"), std::string::npos);
+  folder_.write("can.scene", "n\n* can\n1\ncylinder\n0.1 x\n0 0 0\n0 0 0 1\n0 0 0 0\n.\n");
+  EXPECT_NE(refused("scene: can.scene\n").find("can.scene:5:5: a size is 'x'"), std::string::npos);
+}
+
 TEST_F(DocumentedCell, NeedsVolumesForItsMeshes) {
   const auto loaded = load(with(text_,
                                 "volumes: robots/panda.volumes.yaml\n    joint_limits: "

@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <iterator>
 #include <optional>
 #include <set>
 
 #include "tandem/io/json_reader.h"
+#include "tandem/io/text_file.h"
 
 namespace tandem::io {
 
@@ -139,18 +139,6 @@ class PlaceFinder {
   std::size_t at_ = 0, found_ = 0;
 };
 
-/// ":LINE:COLUMN" of a byte, both from 1.
-std::string place(const std::string& text, std::size_t at) {
-  at = std::min(at, text.size());
-  const auto end = text.begin() + static_cast<std::ptrdiff_t>(at);
-  const auto line = 1 + std::count(text.begin(), end, '\n');
-  const std::size_t newline = at == 0 ? std::string::npos : text.rfind('\n', at - 1);
-  const std::size_t column = newline == std::string::npos ? at + 1 : at - newline;
-  std::string label(1, ':');
-  label.append(std::to_string(line)).append(1, ':').append(std::to_string(column));
-  return label;
-}
-
 /// The parser's words without its own numbers: "syntax error while parsing value - ..."
 std::string words_of(const nlohmann::json::exception& bad) {
   std::string what = bad.what();  // "[json.exception.parse_error.101] parse error at ...: ..."
@@ -163,33 +151,10 @@ std::string words_of(const nlohmann::json::exception& bad) {
   return what;
 }
 
-Result<std::string> read_text(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) {
-    return fail(ErrorCode::kNotFound, file.string() + ": does not exist");
-  }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file, error)) {
-    return fail(ErrorCode::kIo, file.string() + ": cannot be read; is it a file you may read?");
-  }
-  std::string text;
-  std::vector<char> block(std::size_t{1} << 16);
-  while (stream && text.size() <= kMostBytes) {
-    stream.read(block.data(), static_cast<std::streamsize>(block.size()));
-    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
-  }
-  if (text.size() > kMostBytes) {
-    return fail(ErrorCode::kInvalidInput, file.string() + ": is larger than " +
-                                              std::to_string(kMostBytes >> 20) +
-                                              " MiB, more than tandem reads as JSON; split it");
-  }
-  return text;
-}
-
 }  // namespace
 
 Result<JsonDocument> JsonDocument::load(const std::filesystem::path& file) {
-  Result<std::string> text = read_text(file);
+  Result<std::string> text = read_text(file, kMostBytes);
   if (!text) return std::unexpected(text.error());
   JsonDocument document;
   document.file_ = file.string();
@@ -199,7 +164,7 @@ Result<JsonDocument> JsonDocument::load(const std::filesystem::path& file) {
   const auto refused = [&](const std::string& message, bool at_key = false) {
     auto last = static_cast<std::size_t>(std::max<std::ptrdiff_t>(at - begin - 1, 0));
     if (at_key) last = document.text_.rfind('"', last - 1);
-    return fail(ErrorCode::kInvalidInput, document.file_ + place(document.text_, last) + message);
+    return fail(ErrorCode::kInvalidInput, place_in(document.file_, document.text_, last) + message);
   };
   try {
     const Reading first(begin, at), last(begin + document.text_.size(), at);
@@ -214,7 +179,8 @@ Result<JsonDocument> JsonDocument::load(const std::filesystem::path& file) {
 
 Error JsonDocument::error(const BadJson& bad) const {
   const auto at = PlaceFinder(text_, bad).find(json_);
-  return {ErrorCode::kInvalidInput, file_ + (at ? place(text_, *at) : "") + ": " + bad.message};
+  return {ErrorCode::kInvalidInput,
+          (at ? place_in(file_, text_, *at) : file_) + ": " + bad.message};
 }
 
 }  // namespace tandem::io

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tandem/core/names.h"
+#include "tandem/io/moveit_scene.h"
 #include "tandem/io/shapes_yaml.h"
 #include "tandem/robot/joint_limits.h"
 #include "tandem/robot/urdf.h"
@@ -52,6 +53,7 @@ class Reader {
   world::ArmSpec read_arm(const YamlNode& map) const;
   world::AttachedSpec read_attached(const YamlNode& map) const;
   void place_in_tool(const YamlNode& name, world::AttachedSpec& attached) const;
+  void read_scene(const YamlNode& node);
   void read_padding(const YamlNode& node);
 
   fs::path folder_;
@@ -191,6 +193,16 @@ void Reader::place_in_tool(const YamlNode& name, world::AttachedSpec& attached) 
   attached.X_LO = arm->X_LE * attached.X_LO;
 }
 
+/// One of MoveIt's scenes, or a list of them.
+void Reader::read_scene(const YamlNode& node) {
+  if (node.kind() == YamlNode::Kind::kList) {
+    for (const YamlNode& item : node.items()) read_scene(item);
+    return;
+  }
+  MoveitScene scene = take(load_moveit_scene(path(node, false)));
+  std::ranges::move(scene.obstacles, std::back_inserter(spec_.obstacles));
+}
+
 world::AllowedPair read_allowed(const YamlNode& map) {
   map.only({"a", "b", "reason"});
   return {map.at("a").text(), map.at("b").text(), map.at("reason").text(), map.where()};
@@ -271,8 +283,8 @@ world::QuerySpec read_query(const YamlNode& map) {
 }
 
 WorkcellSpec Reader::read(const YamlNode& root) {
-  root.only({"name", "packages", "robots", "arms", "obstacles", "attached", "allowed", "padding",
-             "queries", "lists"});
+  root.only({"name", "packages", "robots", "arms", "obstacles", "scene", "attached", "allowed",
+             "padding", "queries", "lists"});
   spec_.name = root.at("name").text();
   for (const YamlNode* item : items_of(root, "packages")) packages_.push_back(path(*item, true));
   for (const YamlNode& item : root.at("robots").items()) spec_.robots.push_back(read_robot(item));
@@ -280,6 +292,7 @@ WorkcellSpec Reader::read(const YamlNode& root) {
   for (const YamlNode* item : items_of(root, "obstacles")) {
     spec_.obstacles.push_back(read_obstacle(*item));
   }
+  if (const YamlNode* scene = root.find("scene")) read_scene(*scene);
   for (const YamlNode* item : items_of(root, "attached")) {
     spec_.attached.push_back(read_attached(*item));
   }
