@@ -113,10 +113,12 @@ TEST_P(ScenarioVolumes, ContainEveryLink) {
   EXPECT_EQ(noticed, static_cast<int>(volumes->size()));
 }
 
-INSTANTIATE_TEST_SUITE_P(Fitted, ScenarioVolumes,
-                         ::testing::Values(Case{"robots/dual_ur5e/dual_ur5e.urdf",
-                                                "scenarios/robots/dual_ur5e.volumes.yaml"}),
-                         [](const auto&) { return "DualUr5e"; });
+INSTANTIATE_TEST_SUITE_P(
+    Fitted, ScenarioVolumes,
+    ::testing::Values(Case{"robots/fr3_duo/fr3_duo.urdf", "scenarios/robots/fr3_duo.volumes.yaml"},
+                      Case{"robots/dual_ur5e/dual_ur5e.urdf",
+                           "scenarios/robots/dual_ur5e.volumes.yaml"}),
+    [](const auto& tested) { return tested.index == 0 ? "Fr3Duo" : "DualUr5e"; });
 
 }  // namespace
 }  // namespace tandem::io
