@@ -90,6 +90,7 @@ TEST(Certificate, NoSampleContradictsIt) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     test::RandomCellOptions options;
     options.joints = 2 + static_cast<int>(seed % 5);
+    if (seed % 4 == 3) options.surface_pieces = 40 * static_cast<int>(seed);
     const SsvChecker checker(test::random_cell(seed, options));
     const world::Workcell& cell = checker.cell();
     const auto scratch = checker.make_scratch();
@@ -296,6 +297,34 @@ TEST(Certificate, CatchesThinWallsOnTurningArms) {
     }
   }
   EXPECT_GT(crossed, 10);
+}
+
+TEST(Certificate, KnowsWhatIsInsideAMesh) {
+  world::WorkcellSpec spec = test::slider_cell_spec();
+  Eigen::Isometry3d X_WO = Eigen::Isometry3d::Identity();
+  X_WO.translation().x() = 1;
+  spec.obstacles[0].shapes_W.clear();
+  spec.obstacles[0].surfaces_W = {{test::box_mesh(Vector3d::Constant(2)), X_WO}};
+  const auto certify_edge = [](const world::WorkcellSpec& cell_spec, double from, double to) {
+    const SsvChecker checker(test::make_cell(cell_spec));
+    const StraightEdge edge(VectorXd::Constant(1, from), VectorXd::Constant(1, to));
+    return certify(checker, edge, {0}, *checker.make_scratch());
+  };
+  const Certificate inside = certify_edge(spec, 0.9, 1.2);  // Nowhere near a triangle.
+  EXPECT_EQ(inside.verdict, Verdict::kCollision);
+  EXPECT_NEAR(inside.depth, 0.95 + 0.1, 1e-9);
+  EXPECT_EQ(certify_edge(spec, -0.5, 2.9).verdict, Verdict::kCollision);
+  EXPECT_EQ(certify_edge(spec, -0.5, 0.5).verdict, Verdict::kCollision);
+  EXPECT_TRUE(certify_edge(spec, -0.9, -0.2).is_free());
+  // Without one of its triangles it has no inside.
+  auto triangles = spec.obstacles[0].surfaces_W[0].surface->triangles();
+  triangles.pop_back();
+  spec.obstacles[0].surfaces_W[0].surface =
+      test::make_mesh(spec.obstacles[0].surfaces_W[0].surface->vertices(), triangles);
+  const Certificate hollow = certify_edge(spec, 0.9, 1.2);
+  EXPECT_TRUE(hollow.is_free());
+  EXPECT_NEAR(hollow.least_clearance, 0.7, 1e-6);
+  EXPECT_EQ(certify_edge(spec, -0.5, 2.9).verdict, Verdict::kCollision);
 }
 
 TEST(Certificate, ClearanceRatioRefines) {

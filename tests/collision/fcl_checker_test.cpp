@@ -29,7 +29,7 @@ std::unique_ptr<CollisionChecker> make_fcl(const std::shared_ptr<const world::Wo
 namespace conformance {
 
 INSTANTIATE_TEST_SUITE_P(Fcl, CheckerConformance,
-                         testing::Values(CheckerCase{"fcl", make_fcl, 1e-5, 1e-5}));
+                         testing::Values(CheckerCase{"fcl", make_fcl, 1e-5, 1e-5, 1.0}));
 
 }  // namespace conformance
 
@@ -89,6 +89,35 @@ TEST(FclChecker, AgreesWithSsvCheckerOnVolumes) {
   }
   EXPECT_GT(tally.apart, 10000);
   EXPECT_GT(tally.deep, 300);
+}
+
+TEST(FclChecker, AgreesWithSsvCheckerOnMeshesAndClouds) {
+  int apart = 0, deep = 0;
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    test::RandomCellOptions options;
+    options.surface_pieces = seed == 0 ? 5000 : 300;
+    const auto cell = test::random_cell(seed, options);
+    const SsvChecker ssv(cell);
+    const auto fcl = make_fcl(cell);
+    const auto ssv_scratch = ssv.make_scratch(), fcl_scratch = fcl->make_scratch();
+    Rng rng(seed);
+    for (int i = 0; i < 12; ++i) {
+      const VectorXd q = test::random_configuration(rng, *cell);
+      for (const int pair : cell->select(PairScope::all())) {
+        const PairClearance a = ssv.least_clearance(q, {pair}, *ssv_scratch);
+        const PairClearance b = fcl->least_clearance(q, {pair}, *fcl_scratch);
+        (a.distance > 0 ? apart : deep) += 1;
+        if (a.distance > 0) {  // Against meshes a cylinder is a prism of 128 sides around it.
+          EXPECT_NEAR(a.distance, b.distance, has_cylinder(*cell, pair) ? 1e-4 : 1e-5)
+              << describe(*cell, a);
+        }
+        if (std::abs(a.distance) < 1e-4) continue;
+        EXPECT_EQ(fcl->is_free(q, {pair}, *fcl_scratch), a.distance > 0) << describe(*cell, a);
+      }
+    }
+  }
+  EXPECT_GT(apart, 3000);
+  EXPECT_GT(deep, 100);
 }
 
 /// A shape on a grid, turned by right angles: every cell has such, and every tie is in them.

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "collision/random_cell.h"
-#include "tandem/collision/ssv_model.h"
+#include "tandem/collision/ssv_scratch.h"
 
 namespace tandem::collision {
 namespace {

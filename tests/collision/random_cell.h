@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "collision/random_surface.h"
 #include "tandem/core/rng.h"
 #include "tandem/world/workcell.h"
 
@@ -104,7 +105,26 @@ struct RandomCellOptions {
   double padding = 0.005;
   /// What links are made of; empty: everything.
   std::vector<CoreType> cores = {};
+  /// Obstacles and tools are meshes and clouds too, of up to about so many pieces; 0: they are not.
+  int surface_pieces = 0;
 };
+
+/// Out of the way of the first robot's base.
+inline world::ObstacleSpec random_obstacle(Rng& rng, int i, const RandomCellOptions& o) {
+  Eigen::Isometry3d X = random_pose(rng, 1.0);
+  X.translation().x() += 0.4 * (o.arms - 1);
+  if (X.translation().squaredNorm() < 0.2) X.translation().y() += 0.6;
+  world::ObstacleSpec obstacle;
+  obstacle.name = "obstacle" + std::to_string(i);
+  if (o.surface_pieces == 0 || i % 3 == 0) {
+    obstacle.shapes_W = {random_shape(rng, 0.3, 0.05).in(X)};
+  }
+  if (o.surface_pieces == 0) return obstacle;
+  obstacle.surfaces_W = {{random_surface(rng, 0.25, o.surface_pieces), X}};
+  // Large enough to hold a whole hand.
+  if (i % 3 == 1) obstacle.surfaces_W.push_back({random_blob(rng, 6, 8, 0.6), X});
+  return obstacle;
+}
 
 inline world::WorkcellSpec random_cell_spec(std::uint64_t seed, const RandomCellOptions& o = {}) {
   Rng rng(seed);
@@ -142,16 +162,13 @@ inline world::WorkcellSpec random_cell_spec(std::uint64_t seed, const RandomCell
     spec.arms.push_back(arm);
     const std::string hand = arm.robot + "/link" + std::to_string(o.joints + 1);
     spec.attached.push_back({"tool" + std::to_string(i), hand, {shape(0.1, 0.02)}, {}, {}});
+    if (o.surface_pieces > 0) {
+      spec.attached.push_back({"carried" + std::to_string(i), hand, {}, {}, {}});
+      spec.attached.back().surfaces_L = {
+          {random_surface(rng, 0.06, o.surface_pieces / 8 + 12), random_pose(rng, 0.05)}};
+    }
   }
-  for (int i = 0; i < o.obstacles; ++i) {
-    Eigen::Isometry3d X = random_pose(rng, 1.0);
-    X.translation().x() += 0.4 * (o.arms - 1);
-    if (X.translation().squaredNorm() < 0.2) X.translation().y() += 0.6;
-    world::ObstacleSpec obstacle;
-    obstacle.name = "obstacle" + std::to_string(i);
-    obstacle.shapes_W = {random_shape(rng, 0.3, 0.05).in(X)};
-    spec.obstacles.push_back(obstacle);
-  }
+  for (int i = 0; i < o.obstacles; ++i) spec.obstacles.push_back(random_obstacle(rng, i, o));
   return spec;
 }
 

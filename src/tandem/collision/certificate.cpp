@@ -2,9 +2,7 @@
 
 #include <algorithm>
 
-#include "tandem/collision/ssv_model.h"
-#include "tandem/core/contract.h"
-#include "tandem/geometry/distance.h"
+#include "tandem/collision/ssv_descent.h"
 
 namespace tandem::collision {
 
@@ -34,14 +32,17 @@ class Certifier {
 
  private:
   enum class Finding { kApart, kUnproven, kTouching };
+  class Descent;
   using Interval = CertificateBuffers::Interval;
 
   bool place(double t);
   bool examine(const Interval& interval);
   bool examine_ends(double t0, double t1);
+  double slack(const SsvPair& pair, int a, int b);
+  bool is_hopeless(const SsvPair& pair, int a, int b);
   Finding examine_pair(int index);
-  double distance_over_interval(const SsvPair& pair, int sa, int sb);
-  double furthest(const Vector3d& n_W, const SsvPair& pair, int shape, bool rigid);
+  double distance_over_interval(const SsvPair& pair, const NearNodes& near);
+  double furthest(const Vector3d& n_W, const SsvPair& pair, int leaf, int side, bool rigid);
   bool sample(const Interval& interval);
   void note(int pair, double bound);
   bool end(Verdict verdict, int pair);
@@ -53,8 +54,9 @@ class Certifier {
   const CertificateOptions& options_;
   const StopCondition& stop_;
   Certificate result_;
-  double time_ = 0;    // Of the placement.
-  double target_ = 0;  // What a pair must keep to be done on an interval.
+  double time_ = 0;       // Of the placement.
+  bool is_first_ = true;  // The interval is the whole one.
+  double target_ = 0;     // What a pair must keep to be done on an interval.
   double least_sampled_ = kInfinity;
 };
 
@@ -93,43 +95,84 @@ void Certifier::note(int pair, double bound) {
   result_.time = time_;
 }
 
-/// Upper bound of n.p over the interval for all p of a shape's core.
-double Certifier::furthest(const Vector3d& n_W, const SsvPair& pair, int shape, bool rigid) {
-  const geometry::Shape& shape_W = scratch_.shape(shape);
+/// Upper bound of n.p over the interval for all p of the core of a leaf.
+double Certifier::furthest(const Vector3d& n_W, const SsvPair& pair, int leaf, int side,
+                           bool rigid) {
+  const geometry::Shape& shape_W = scratch_.piece(leaf, side);
   if (rigid) return n_W.dot(shape_W.support(n_W));
-  const SsvModel& model = scratch_.model();
-  const SsvShape& compiled = model.shapes[static_cast<std::size_t>(shape)];
-  const int joint = model.nodes[static_cast<std::size_t>(model.shape_node(shape))].joint;
-  const Eigen::Isometry3d& X_WJ = scratch_.pose(joint);
+  const int joint = scratch_.model().node(leaf).joint;
   double most = -kInfinity, most_travel = 0;
-  for (const Vector3d& v_J : compiled.vertices_J) {
-    const Vector3d v_W = X_WJ * v_J;
+  scratch_.for_each_vertex(leaf, side, [&](const Vector3d& v_W) {
     const double travel = scratch_.travel_along(n_W, joint, pair.common, v_W);
     most = std::max(most, n_W.dot(v_W) + travel);
     most_travel = std::max(most_travel, travel);
-  }
+  });
   if (shape_W.type() != geometry::CoreType::kCylinder) return most;
   return std::min(most, n_W.dot(shape_W.support(n_W)) + most_travel);  // The hull is wider.
 }
 
-/// Lower bound of the distance of two shapes over the interval: that of the planes which support
+/// Lower bound of the distance of two pieces over the interval: that of the planes which support
 /// them along the normal. Any unit normal gives a valid bound, the one at the middle a good one.
-double Certifier::distance_over_interval(const SsvPair& pair, int sa, int sb) {
-  const geometry::Shape& a_W = scratch_.shape(sa);
-  const geometry::Shape& b_W = scratch_.shape(sb);
+double Certifier::distance_over_interval(const SsvPair& pair, const NearNodes& near) {
+  const geometry::Shape& a_W = scratch_.piece(near.a, 0);
+  const geometry::Shape& b_W = scratch_.piece(near.b, 1);
   const geometry::Clearance c = geometry::clearance(a_W, b_W);
   if (!(c.distance > 0)) return -kInfinity;
   if (c.distance <= target_) return c.distance;
-  return -furthest(-c.nhat_BA_W, pair, sa, pair.rigid_a) -
-         furthest(c.nhat_BA_W, pair, sb, pair.rigid_b) - a_W.radius() - b_W.radius() - kRounding;
+  return -furthest(-c.nhat_BA_W, pair, near.a, 0, pair.rigid_a) -
+         furthest(c.nhat_BA_W, pair, near.b, 1, pair.rigid_b) - a_W.radius() - b_W.radius() -
+         kRounding;
 }
+
+/// How much nearer two bounding spheres may come on the interval.
+double Certifier::slack(const SsvPair& pair, int a, int b) {
+  return scratch_.travel(a, pair.shared) + scratch_.travel(b, pair.shared) + kRounding;
+}
+
+bool Certifier::is_hopeless(const SsvPair& pair, int a, int b) {
+  return (scratch_.center(a) - scratch_.center(b)).norm() < target_ + kHopeful * slack(pair, a, b);
+}
+
+/// The descent into one pair on one interval. Once anything is unproven the rest is only searched
+/// for what touches at the middle.
+class Certifier::Descent {
+ public:
+  Descent(Certifier& certifier, const SsvPair& pair) : c_(certifier), pair_(pair) {}
+
+  double slack(int a, int b) { return c_.slack(pair_, a, b); }
+  double core_slack(int leaf, int side, int node) {
+    return c_.scratch_.core_travel(leaf, pair_.shared, side) +
+           c_.scratch_.travel(node, pair_.shared) + kRounding;
+  }
+  bool has_given_up() const { return finding != Finding::kApart; }
+  bool settles(const NearNodes& near) {
+    if (!(near.distance > 0) || !c_.is_hopeless(pair_, near.a, near.b)) return false;
+    finding = Finding::kUnproven;
+    return true;
+  }
+  double visit(const NearNodes& near) {
+    if (has_given_up() && near.distance > 0) return 0.0;
+    const double kept = c_.distance_over_interval(pair_, near);
+    if (kept == -kInfinity) {
+      finding = Finding::kTouching;
+      return -kInfinity;
+    }
+    if (!(kept > c_.target_)) finding = Finding::kUnproven;
+    bound = std::min(bound, kept);
+    return has_given_up() ? 0.0 : c_.target_;
+  }
+
+  Finding finding = Finding::kApart;
+  double bound = kInfinity;
+
+ private:
+  Certifier& c_;
+  const SsvPair& pair_;
+};
 
 Certifier::Finding Certifier::examine_pair(int index) {
   const SsvPair& pair = scratch_.model().pair(index);
-  const auto slack = [&](int a, int b) {
-    return scratch_.travel(a, pair.shared) + scratch_.travel(b, pair.shared) + kRounding;
-  };
-  const double taken = slack(pair.a, pair.b);
+  const double taken = slack(pair, pair.a, pair.b);
   if (scratch_.spheres_apart(pair.a, pair.b, taken + std::max(target_, result_.least_clearance))) {
     return Finding::kApart;
   }
@@ -138,30 +181,12 @@ Certifier::Finding Certifier::examine_pair(int index) {
     note(index, apart - taken);
     return Finding::kApart;
   }
-  const auto hopeless = [&](int a, int b) {
-    return (scratch_.center(a) - scratch_.center(b)).norm() < target_ + kHopeful * slack(a, b);
-  };
-  if (apart > 0 && hopeless(pair.a, pair.b)) return Finding::kUnproven;
-  Finding finding = Finding::kApart;
-  double bound = kInfinity;
-  const auto visit = [&](int sa, int sb, double at_least) {
-    if (at_least > 0 && (finding != Finding::kApart || hopeless(scratch_.model().shape_node(sa),
-                                                                scratch_.model().shape_node(sb)))) {
-      finding = Finding::kUnproven;
-      return target_;
-    }
-    const double kept = distance_over_interval(pair, sa, sb);
-    if (kept == -kInfinity) {
-      finding = Finding::kTouching;
-      return -kInfinity;
-    }
-    if (!(kept > target_)) finding = Finding::kUnproven;
-    bound = std::min(bound, kept);
-    return target_;
-  };
-  const double least_skipped = visit_near_shapes(scratch_, pair, target_, slack, visit);
-  if (finding == Finding::kApart) note(index, std::min(bound, least_skipped));
-  return finding;
+  // What is outside a closed mesh at one time, and touches it at none, is outside at all times.
+  if (is_first_ && pair.solid && is_inside(scratch_, pair)) return Finding::kTouching;
+  Descent descent(*this, pair);
+  const double least_skipped = visit_near(scratch_, pair, target_, descent);
+  if (descent.finding == Finding::kApart) note(index, std::min(descent.bound, least_skipped));
+  return descent.finding;
 }
 
 /// The least distance of any sample sets how much clearance is worth proving.
@@ -223,13 +248,13 @@ Certificate Certifier::run(double t0, double t1, const world::PairSelection& sel
   if (!selection.empty()) {
     buffers_.level.push_back({t0, t1, 0, static_cast<int>(selection.size())});
   }
-  for (bool whole = true; !buffers_.level.empty(); whole = false) {
+  for (is_first_ = true; !buffers_.level.empty(); is_first_ = false) {
     buffers_.next_level.clear();
     buffers_.next_pairs.clear();
     for (const Interval& interval : buffers_.level) {
       if (!examine(interval)) return result_;
     }
-    if (whole && !buffers_.next_level.empty() && !examine_ends(t0, t1)) return result_;
+    if (is_first_ && !buffers_.next_level.empty() && !examine_ends(t0, t1)) return result_;
     std::swap(buffers_.level, buffers_.next_level);
     std::swap(buffers_.pairs, buffers_.next_pairs);
   }

@@ -11,15 +11,17 @@ namespace tandem::collision {
 
 /// Nearest approach of one pair of bodies.
 struct PairClearance {
-  int pair = -1;        ///< Index into Workcell::pairs(); -1 if there was no pair.
-  double distance = 0;  ///< [m] signed, padding included; +infinity if there was no pair.
+  int pair = -1;  ///< Index into Workcell::pairs(); -1 if there was no pair.
+  /// [m] signed, padding included; +infinity if there was no pair. Depths in meshes are lower
+  /// bounds of the least translation apart.
+  double distance = 0;
   Eigen::Vector3d nhat_BA_W = Eigen::Vector3d::UnitZ();  ///< Moving A along it raises distance.
   Eigen::Vector3d p_WCa = Eigen::Vector3d::Zero();       ///< Witness points on the padded bodies.
   Eigen::Vector3d p_WCb = Eigen::Vector3d::Zero();
 };
 
 /// Immutable and thread-safe; what changes lives in a Scratch, one per thread.
-/// Touching (distance 0) counts as in collision.
+/// Touching (distance 0) counts as in collision, and so does what lies inside a closed mesh.
 class CollisionChecker {
  public:
   class Scratch {

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 
-#include "tandem/collision/ssv_model.h"
-#include "tandem/core/contract.h"
-#include "tandem/geometry/distance.h"
+#include "tandem/collision/ssv_descent.h"
 
 namespace tandem::collision {
 
@@ -12,7 +10,63 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-constexpr auto kNoSlack = [](int, int) { return 0.0; };
+/// Distance of two pieces as placed, where bounds have not found it yet [m].
+double piece_distance(SsvScratch& scratch, const NearNodes& near) {
+  if (near.is_exact) return near.distance;
+  return geometry::distance(scratch.piece(near.a, 0), scratch.piece(near.b, 1));
+}
+
+/// Leaves only the nearest of what says nearly the same: pieces of a surface that one piece of the
+/// other body is near to, in about the same direction.
+void thin_out(std::vector<FoundClearance>& found) {
+  constexpr double kSameDirection = 0.9;  // Cosine.
+  std::ranges::stable_sort(found, {}, [](const FoundClearance& f) { return f.clearance.distance; });
+  std::size_t kept = 0;
+  for (const FoundClearance& f : found) {
+    const bool known = std::any_of(
+        found.begin(), found.begin() + static_cast<std::ptrdiff_t>(kept), [&](const auto& nearer) {
+          return nearer.leaf == f.leaf &&
+                 nearer.clearance.nhat_BA_W.dot(f.clearance.nhat_BA_W) > kSameDirection;
+        });
+    if (!known) found[kept++] = f;
+  }
+  found.resize(kept);
+}
+
+void add_shape_clearances(SsvScratch& scratch, int index, double within,
+                          std::vector<PairClearance>& out) {
+  struct All : PlacedQuery {
+    All(SsvScratch& of, int pair, double up_to, std::vector<PairClearance>& all)
+        : scratch(of), index(pair), within(up_to), out(all) {}
+    double visit(const NearNodes& near) {
+      const geometry::Clearance c =
+          geometry::clearance(scratch.piece(near.a, 0), scratch.piece(near.b, 1));
+      if (!(c.distance < within)) return within;
+      const PairClearance clearance{index, c.distance, c.nhat_BA_W, c.p_WCa, c.p_WCb};
+      const bool of_a = !scratch.model().node(near.a).is_shape();
+      if (of_a || !scratch.model().node(near.b).is_shape()) {
+        scratch.found.push_back({clearance, of_a ? near.b : near.a});
+      } else {
+        out.push_back(clearance);
+      }
+      return within;
+    }
+    SsvScratch& scratch;
+    int index;
+    double within;
+    std::vector<PairClearance>& out;
+  };
+  scratch.found.clear();
+  const SsvPair& pair = scratch.model().pair(index);
+  visit_near(scratch, pair, within, All(scratch, index, within, out));
+  thin_out(scratch.found);
+  for (const FoundClearance& found : scratch.found) out.push_back(found.clearance);
+  if (!pair.solid) return;
+  PairClearance inside;
+  inside.distance = 0;
+  improve_inside(scratch, index, inside);
+  if (inside.pair >= 0) out.push_back(inside);
+}
 
 }  // namespace
 
@@ -21,32 +75,45 @@ SsvScratch& own_scratch(const SsvModel& model, CollisionChecker::Scratch& scratc
   expects(own && &own->model() == &model, "the scratch was made by this checker");
   return *own;
 }
-
 bool touches(SsvScratch& scratch, const SsvPair& pair) {
+  struct Touch : PlacedQuery {
+    explicit Touch(SsvScratch& of) : scratch(of) {}
+    double visit(const NearNodes& near) {
+      hit = !(piece_distance(scratch, near) > 0);
+      return hit ? -kInfinity : 0.0;
+    }
+    SsvScratch& scratch;
+    bool hit = false;
+  };
   if (scratch.spheres_apart(pair.a, pair.b, 0)) return false;
-  bool hit = false;
-  visit_near_shapes(scratch, pair, 0.0, kNoSlack, [&](int sa, int sb, double) {
-    if (geometry::clearance(scratch.shape(sa), scratch.shape(sb)).distance > 0) return 0.0;
-    hit = true;
-    return -kInfinity;
-  });
-  return hit;
+  Touch touch(scratch);
+  visit_near(scratch, pair, 0.0, touch);
+  return touch.hit || (pair.solid && is_inside(scratch, pair));
 }
 
 void improve(SsvScratch& scratch, int index, PairClearance& best) {
+  struct Nearest : PlacedQuery {
+    Nearest(SsvScratch& of, int pair, PairClearance& improved)
+        : scratch(of), index(pair), best(improved) {}
+    double visit(const NearNodes& near) {
+      const geometry::Clearance c =
+          geometry::clearance(scratch.piece(near.a, 0), scratch.piece(near.b, 1));
+      if (c.distance < best.distance) best = {index, c.distance, c.nhat_BA_W, c.p_WCa, c.p_WCb};
+      return best.distance;
+    }
+    SsvScratch& scratch;
+    int index;
+    PairClearance& best;
+  };
   const SsvPair& pair = scratch.model().pair(index);
   if (scratch.spheres_apart(pair.a, pair.b, best.distance)) return;
-  visit_near_shapes(scratch, pair, best.distance, kNoSlack, [&](int sa, int sb, double) {
-    const geometry::Clearance c = geometry::clearance(scratch.shape(sa), scratch.shape(sb));
-    if (c.distance < best.distance) best = {index, c.distance, c.nhat_BA_W, c.p_WCa, c.p_WCb};
-    return best.distance;
-  });
+  visit_near(scratch, pair, best.distance, Nearest(scratch, index, best));
+  if (pair.solid) improve_inside(scratch, index, best);
 }
 
 SsvChecker::SsvChecker(std::shared_ptr<const world::Workcell> cell) : cell_(std::move(cell)) {
   expects(cell_ != nullptr, "a checker needs a cell");
   model_ = std::make_unique<const SsvModel>(*cell_);
-  lever_arms_ = model_->lever_arms();
 }
 
 SsvChecker::~SsvChecker() = default;
@@ -66,13 +133,22 @@ double SsvChecker::pair_distance(int pair, double needed,
   const SsvPair& bodies = model_->pair(pair);
   const double apart = own.sphere_distance(bodies.a, bodies.b);
   if (apart > needed) return apart;
-  double best = kInfinity;
-  const double least_skipped =
-      visit_near_shapes(own, bodies, needed, kNoSlack, [&](int sa, int sb, double) {
-        best = std::min(best, geometry::clearance(own.shape(sa), own.shape(sb)).distance);
-        return std::min(best, needed);
-      });
-  return std::min(best, least_skipped);
+  struct Least : PlacedQuery {
+    Least(SsvScratch& of, double up_to) : scratch(of), needed(up_to) {}
+    double visit(const NearNodes& near) {
+      best = std::min(best, piece_distance(scratch, near));
+      return std::min(best, needed);
+    }
+    SsvScratch& scratch;
+    double needed, best = kInfinity;
+  };
+  Least least(own, needed);
+  const double skipped = visit_near(own, bodies, needed, least);
+  if (!bodies.solid) return std::min(least.best, skipped);
+  PairClearance inside;
+  inside.distance = std::min(least.best, skipped);
+  improve_inside(own, pair, inside);
+  return inside.distance;
 }
 
 bool SsvChecker::is_free(const Eigen::Ref<const Eigen::VectorXd>& q,
@@ -138,13 +214,9 @@ void SsvChecker::shape_clearances(const Eigen::Ref<const Eigen::VectorXd>& q,
   SsvScratch& own = own_scratch(*model_, scratch);
   out.clear();
   for (const int index : selection) {
-    const SsvPair& pair = model_->pair(index);
-    if (own.spheres_apart(pair.a, pair.b, within)) continue;
-    visit_near_shapes(own, pair, within, kNoSlack, [&](int sa, int sb, double) {
-      const geometry::Clearance c = geometry::clearance(own.shape(sa), own.shape(sb));
-      if (c.distance < within) out.push_back({index, c.distance, c.nhat_BA_W, c.p_WCa, c.p_WCb});
-      return within;
-    });
+    if (!own.spheres_apart(model_->pair(index).a, model_->pair(index).b, within)) {
+      add_shape_clearances(own, index, within, out);
+    }
   }
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Collision checks on swept sphere volumes.
+/// Collision checks on swept sphere volumes, meshes and clouds.
 
 #include "tandem/collision/checker.h"
 
@@ -7,7 +7,8 @@ namespace tandem::collision {
 
 struct SsvModel;
 
-/// Bounding spheres first, then the cores. The scalar reference of the batch path.
+/// Trees of bounding spheres first, then the cores. The scalar reference of the batch path.
+/// Ref: docs/methods.md, "Swept sphere volumes".
 class SsvChecker final : public CollisionChecker {
  public:
   explicit SsvChecker(std::shared_ptr<const world::Workcell> cell);
@@ -25,7 +26,8 @@ class SsvChecker final : public CollisionChecker {
                   std::vector<PairClearance>& out) const override;
 
   /// All pairs of shapes nearer than `within` [m], several to a pair of bodies where they are: what
-  /// linearising a distance needs between two walls. `out` is cleared first.
+  /// linearising a distance needs between two walls. Of pieces of a surface that lie in about the
+  /// same direction from a shape only the nearest. `out` is cleared first.
   void shape_clearances(const Eigen::Ref<const Eigen::VectorXd>& q,
                         const world::PairSelection& selection, double within,
                         CollisionChecker::Scratch& scratch, std::vector<PairClearance>& out) const;
@@ -36,19 +38,12 @@ class SsvChecker final : public CollisionChecker {
   /// spheres already prove more than `needed`, that lower bound.
   double pair_distance(int pair, double needed, CollisionChecker::Scratch& scratch) const;
 
-  /// How far, at most, a point of a core of body `body` moves per unit motion of entry j of q, over
-  /// all configurations inside the joint limits [m/rad or -]; 0 for joints that do not move it.
-  /// The shapes swept around the cores come no further: a ball looks the same turned.
-  /// Ref: docs/methods.md, "Continuous-time certificate".
-  double lever_arm(int body, int j) const { return lever_arms_(body, j); }
-
   /// The compiled cell, for the certificate.
   const SsvModel& model() const { return *model_; }
 
  private:
   std::shared_ptr<const world::Workcell> cell_;
   std::unique_ptr<const SsvModel> model_;
-  Eigen::MatrixXd lever_arms_;  // bodies x dof
 };
 
 }  // namespace tandem::collision

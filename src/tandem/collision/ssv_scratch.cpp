@@ -1,6 +1,7 @@
-#include <cmath>
+#include "tandem/collision/ssv_scratch.h"
 
-#include "tandem/collision/ssv_model.h"
+#include <algorithm>
+#include <cmath>
 
 namespace tandem::collision {
 
@@ -10,23 +11,28 @@ SsvScratch::SsvScratch(const SsvModel& model)
     : model_(model),
       q_(Eigen::VectorXd::Zero(model.dof)),
       X_WJ_(model.joints.size(), Eigen::Isometry3d::Identity()),
+      p_WC_(static_cast<std::size_t>(model.node_slots)),
       D_(model.joints.size()),
       chord_(model.joints.size()),
       turn_(model.joints.size()),
-      travel_(model.nodes.size() * static_cast<std::size_t>(model.depth)),
+      travel_(p_WC_.size() * static_cast<std::size_t>(model.depth)),
       pose_time_(model.joints.size()),
-      shape_time_(model.shapes.size()),
-      travel_time_(model.nodes.size()) {
-  for (const SsvNode& node : model.nodes) {
-    p_WC_.push_back(node.p_JC);
-    center_time_.push_back(node.joint < 0 ? kAlways : 0);
-  }
-  for (std::size_t s = 0; s < model.shapes.size(); ++s) {
-    shape_W_.push_back(model.shapes[s].shape_J);
-    shape_time_[s] = center_time_[model.bodies.size() + s];
+      center_time_(p_WC_.size()),
+      shape_time_(static_cast<std::size_t>(model.shape_slots)),
+      travel_time_(p_WC_.size()) {
+  shape_W_.reserve(shape_time_.size());
+  for (const SsvShape& shape : model.shapes) {
+    if (shape.slot >= 0) shape_W_.push_back(shape.shape_J);
   }
   certificate.q.resize(model.dof);
   certificate.D.resize(model.dof);
+}
+
+std::size_t SsvScratch::memory() const {
+  const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list.front()); };
+  return sizeof(*this) + bytes(X_WJ_) + bytes(p_WC_) + bytes(shape_W_) + bytes(D_) + bytes(chord_) +
+         bytes(turn_) + bytes(travel_) + bytes(pose_time_) + bytes(center_time_) +
+         bytes(shape_time_) + bytes(travel_time_);
 }
 
 void SsvScratch::place(const Eigen::Ref<const Eigen::VectorXd>& q) {
@@ -59,32 +65,45 @@ void SsvScratch::place_joint(std::size_t j) {
   pose_time_[j] = now_;
 }
 
-void SsvScratch::place_node(std::size_t n) {
-  const SsvNode& node = model_.nodes[n];
+void SsvScratch::place_node(const SsvNode& node) {
+  const auto slot = static_cast<std::size_t>(node.slot);
   const Eigen::Isometry3d& X_WJ = pose(node.joint);
-  p_WC_[n].noalias() = X_WJ.linear() * node.p_JC;
-  p_WC_[n] += X_WJ.translation();
-  center_time_[n] = now_;
+  p_WC_[slot].noalias() = X_WJ.linear() * node.p_JC;
+  p_WC_[slot] += X_WJ.translation();
+  center_time_[slot] = now_;
 }
 
-void SsvScratch::place_shape(std::size_t s) {
-  shape_W_[s] = model_.shapes[s].shape_J.in(pose(model_.nodes[model_.bodies.size() + s].joint));
-  shape_time_[s] = now_;
+void SsvScratch::place_shape(const SsvNode& leaf, const SsvShape& shape) {
+  const auto slot = static_cast<std::size_t>(shape.slot);
+  shape_W_[slot] = shape.shape_J.in(pose(leaf.joint));
+  shape_time_[slot] = now_;
 }
 
-double SsvScratch::box_distance(int node, int shape) {
-  const SsvShape& box = model_.shapes[static_cast<std::size_t>(shape)];
-  const int joint = model_.nodes[static_cast<std::size_t>(model_.shape_node(shape))].joint;
+const geometry::Shape& SsvScratch::surface_piece(int leaf, int side) {
+  BuiltPiece& built = built_[side];
+  const SsvNode& node = model_.node(leaf);
+  if (built.leaf == leaf && (node.joint < 0 || built.time == now_)) return *built.shape_W;
+  const SsvSurface& placed = model_.surfaces[static_cast<std::size_t>(node.surface())];
+  const geometry::Shape piece_S = placed.surface->piece(node.piece, placed.padding);
+  built.shape_W = piece_S.in(node.joint < 0 ? placed.X_JS : pose(node.joint) * placed.X_JS);
+  built.leaf = leaf;
+  built.time = now_;
+  return *built.shape_W;
+}
+
+double SsvScratch::box_distance(int node, int leaf) {
+  const SsvNode& of_leaf = model_.node(leaf);
+  const SsvShape& box = model_.shape(of_leaf.piece);
   Vector3d p_J = center(node);
-  if (joint >= 0) {
-    const Eigen::Isometry3d& X_WJ = pose(joint);
+  if (of_leaf.joint >= 0) {
+    const Eigen::Isometry3d& X_WJ = pose(of_leaf.joint);
     p_J = X_WJ.linear().transpose() * (p_J - X_WJ.translation());
   }
   const Vector3d p_B = box.R_BJ * (p_J - box.p_JBo);
   const Vector3d beyond = p_B.cwiseAbs() - box.half;
   const double deepest = beyond.maxCoeff();
   return (deepest > 0 ? beyond.cwiseMax(0.0).norm() : deepest) - box.shape_J.radius() -
-         model_.nodes[static_cast<std::size_t>(node)].radius;
+         model_.node(node).radius;
 }
 
 void SsvScratch::set_deviation(const Eigen::Ref<const Eigen::VectorXd>& D) {
@@ -101,20 +120,44 @@ void SsvScratch::set_deviation(const Eigen::Ref<const Eigen::VectorXd>& D) {
 // From q(m) to q(t) the joints are moved one after the other, base first. The distance of a point
 // from the axis of joint j depends on the joints between them only, which still stand as at m: so
 // j moves the point by at most the distance at m times |q_j(t) - q_j(m)|, without remainder.
-void SsvScratch::bound_travel(std::size_t n) {
-  const int last = model_.nodes[n].joint;
-  const Vector3d p = center(static_cast<int>(n));
-  double* row = &travel_[n * static_cast<std::size_t>(model_.depth)];
+double SsvScratch::travel_by(std::size_t j, const Vector3d& p_WP) const {
+  const Eigen::Isometry3d& X = X_WJ_[j];
+  return model_.joints[j].prismatic
+             ? chord_[j]
+             : chord_[j] * X.linear().col(2).cross(p_WP - X.translation()).norm();
+}
+
+void SsvScratch::bound_travel(int node) {
+  const SsvNode& n = model_.node(node);
+  const Vector3d p = center(node);
+  double* row = &travel_[static_cast<std::size_t>(n.slot) * static_cast<std::size_t>(model_.depth)];
   double sum = 0;
-  for (int j = last; j >= 0; j = model_.joints[static_cast<std::size_t>(j)].parent) {
+  for (int j = n.joint; j >= 0; j = model_.joints[static_cast<std::size_t>(j)].parent) {
     const auto i = static_cast<std::size_t>(j);
-    const SsvJoint& joint = model_.joints[i];
-    const Eigen::Isometry3d& X = X_WJ_[i];
-    sum += joint.prismatic ? chord_[i]
-                           : chord_[i] * X.linear().col(2).cross(p - X.translation()).norm();
-    row[joint.depth - 1] = sum;
+    sum += travel_by(i, p);
+    row[model_.joints[i].depth - 1] = sum;
   }
-  travel_time_[n] = now_;
+  travel_time_[static_cast<std::size_t>(n.slot)] = now_;
+}
+
+double SsvScratch::travel_of_point(const Vector3d& p_WP, int joint, int shared) {
+  double sum = 0;
+  for (int j = joint; model_.depth_of(j) > shared;
+       j = model_.joints[static_cast<std::size_t>(j)].parent) {
+    sum += travel_by(static_cast<std::size_t>(j), p_WP);
+  }
+  return sum;
+}
+
+// The bound is convex in the point, so that it is greatest at a vertex.
+double SsvScratch::core_travel(int leaf, int shared, int side) {
+  const SsvNode& node = model_.node(leaf);
+  if (model_.depth_of(node.joint) <= shared) return 0;
+  double most = 0;
+  for_each_vertex(leaf, side, [&](const Vector3d& v_W) {
+    most = std::max(most, travel_of_point(v_W, node.joint, shared));
+  });
+  return most;
 }
 
 // The same sequence of moves. Move j displaces the point by R * u, where u is the displacement by j

@@ -77,7 +77,8 @@ Result<void> WorkcellBuilder::add_robot_bodies(const RobotSpec& robot) {
 
 Result<void> WorkcellBuilder::add_obstacles() {
   for (const ObstacleSpec& obstacle : cell_->spec_.obstacles) {
-    Body body{obstacle.name, 0, obstacle.shapes_W, 0.0, 0, Body::Kind::kObstacle};
+    Body body{obstacle.name, 0, obstacle.shapes_W, 0.0, 0, Body::Kind::kObstacle,
+              obstacle.surfaces_W};
     if (auto done = add_body(std::move(body), obstacle.where); !done) return done;
   }
   return {};
@@ -94,7 +95,7 @@ Result<void> WorkcellBuilder::add_attached() {
                         name_hint(attached.link, links) + " (links are written ROBOT/LINK)");
     }
     Body body{attached.name,        link, attached.shapes_L,
-              cell_->spec_.padding, 0,    Body::Kind::kAttached};
+              cell_->spec_.padding, 0,    Body::Kind::kAttached, attached.surfaces_L};
     if (auto done = add_body(std::move(body), attached.where); !done) return done;
   }
   return {};
@@ -105,9 +106,9 @@ Result<void> WorkcellBuilder::add_body(Body body, const std::string& where) {
     return refuse(ErrorCode::kInvalidInput, where,
                   "an obstacle or attached object has no name; give it one");
   }
-  if (body.shapes_L.empty()) {
+  if (body.shapes_L.empty() && body.surfaces_L.empty()) {
     return refuse(ErrorCode::kInvalidInput, where,
-                  "'" + body.name + "' has no shapes; give it one, or remove it");
+                  "'" + body.name + "' has no shapes and no surfaces; give it one, or remove it");
   }
   if (!body_index_.emplace(body.name, static_cast<int>(cell_->bodies_.size())).second) {
     return refuse(ErrorCode::kInvalidInput, where,

@@ -1,6 +1,9 @@
 #include "tandem/collision/fcl/fcl_checker.h"
 
-#include "tandem/collision/fcl/fcl_geometry.h"
+#include <algorithm>
+#include <iterator>
+
+#include "tandem/collision/fcl/fcl_cloud.h"
 #include "tandem/core/contract.h"
 
 namespace tandem::collision {
@@ -9,16 +12,28 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The pieces of a body that FCL shall see.
-Result<std::vector<FclPiece>> make_pieces(const world::Workcell& cell, const world::Body& body,
-                                          FclGeometry geometry, FclMeshes& meshes) {
+/// What FCL shall see of a body.
+struct BodyPieces {
   std::vector<FclPiece> pieces;
+  std::vector<std::unique_ptr<const FclCloud>> clouds;
+};
+
+Result<BodyPieces> make_pieces(const world::Workcell& cell, const world::Body& body,
+                               FclGeometry geometry, FclMeshes& meshes) {
+  BodyPieces made;
   if (geometry == FclGeometry::kVolumes || body.kind != world::Body::Kind::kRobotLink) {
     const double padding = geometry == FclGeometry::kVolumes ? body.padding : 0.0;
     for (const geometry::Shape& shape_L : body.shapes_L) {
-      pieces.push_back(make_piece(shape_L.padded(padding)));
+      made.pieces.push_back(make_piece(shape_L.padded(padding)));
     }
-    return pieces;
+    for (const geometry::PlacedSurface& surface_L : body.surfaces_L) {
+      if (surface_L.surface->is_mesh()) {
+        made.pieces.push_back(make_piece(surface_L, padding));
+      } else {
+        made.clouds.push_back(std::make_unique<FclCloud>(surface_L, padding));
+      }
+    }
+    return made;
   }
   const robot::Link& link = cell.model().links()[static_cast<std::size_t>(body.link)];
   if (link.collision.empty()) {
@@ -30,9 +45,9 @@ Result<std::vector<FclPiece>> make_pieces(const world::Workcell& cell, const wor
   for (const robot::Geometry& part : link.collision) {
     Result<FclPiece> piece = make_piece(part, link.name, meshes);
     if (!piece) return std::unexpected(piece.error());
-    pieces.push_back(std::move(*piece));
+    made.pieces.push_back(std::move(*piece));
   }
-  return pieces;
+  return made;
 }
 
 }  // namespace
@@ -44,11 +59,19 @@ struct FclChecker::Impl {
     int link;
     bool moves;
     std::size_t first_piece, piece_count;
+    std::size_t first_cloud, cloud_count;
+  };
+  /// A piece as placed.
+  struct Placed {
+    const FclPiece& piece;
+    Eigen::Isometry3d X_WG;
+    FclBox box;
   };
 
   std::shared_ptr<const world::Workcell> cell;
   std::vector<Body> bodies;
   std::vector<FclPiece> pieces;
+  std::vector<std::unique_ptr<const FclCloud>> clouds;
 
   const world::BodyPair& pair(int index) const {
     expects(0 <= index && index < static_cast<int>(cell->pairs().size()),
@@ -58,6 +81,10 @@ struct FclChecker::Impl {
   Scratch& place(const Eigen::Ref<const Eigen::VectorXd>& q,
                  CollisionChecker::Scratch& scratch) const;
   bool improve(int index, const Scratch& scratch, PairClearance& best) const;
+  static bool improve(int index, const Placed& a, const Placed& b, PairClearance& best);
+  bool improve_with_clouds(int index, const Scratch& scratch, PairClearance& best) const;
+  bool improve_with_cloud(int index, const Placed& other, std::size_t cloud, bool cloud_is_a,
+                          const Scratch& scratch, PairClearance& best) const;
 };
 
 class FclChecker::Impl::Scratch final : public CollisionChecker::Scratch {
@@ -66,6 +93,8 @@ class FclChecker::Impl::Scratch final : public CollisionChecker::Scratch {
       : owner(&impl),
         X_WG(impl.pieces.size()),
         boxes(impl.pieces.size()),
+        X_WL_of_cloud(impl.clouds.size()),
+        cloud_boxes(impl.clouds.size()),
         body_boxes(impl.bodies.size()) {
     place(Eigen::VectorXd::Zero(impl.cell->dof()), true);
   }
@@ -77,11 +106,19 @@ class FclChecker::Impl::Scratch final : public CollisionChecker::Scratch {
       const Body& body = owner->bodies[b];
       if (!body.moves && !all) continue;
       Eigen::Vector3d low = Eigen::Vector3d::Constant(kInfinity), high = -low;
+      const auto include = [&](const FclBox& box) {
+        low = low.cwiseMin(box.center - box.half);
+        high = high.cwiseMax(box.center + box.half);
+      };
       for (std::size_t p = body.first_piece; p < body.first_piece + body.piece_count; ++p) {
         X_WG[p] = X_WL[static_cast<std::size_t>(body.link)] * owner->pieces[p].X_LG;
         boxes[p] = box_around(owner->pieces[p], X_WG[p]);
-        low = low.cwiseMin(boxes[p].center - boxes[p].half);
-        high = high.cwiseMax(boxes[p].center + boxes[p].half);
+        include(boxes[p]);
+      }
+      for (std::size_t c = body.first_cloud; c < body.first_cloud + body.cloud_count; ++c) {
+        X_WL_of_cloud[c] = X_WL[static_cast<std::size_t>(body.link)];
+        cloud_boxes[c] = box_around(owner->clouds[c]->box_L(), X_WL_of_cloud[c]);
+        include(cloud_boxes[c]);
       }
       body_boxes[b] = {0.5 * (low + high), 0.5 * (high - low)};
     }
@@ -92,6 +129,8 @@ class FclChecker::Impl::Scratch final : public CollisionChecker::Scratch {
   robot::LinkPoses X_WL;
   std::vector<Eigen::Isometry3d> X_WG;  // By piece.
   std::vector<FclBox> boxes;
+  std::vector<Eigen::Isometry3d> X_WL_of_cloud;
+  std::vector<FclBox> cloud_boxes;
   std::vector<FclBox> body_boxes;
   std::size_t last_hit = 0;  // Positions in a selection: where the next query begins.
   std::size_t last_nearest = 0;
@@ -114,24 +153,77 @@ bool FclChecker::Impl::improve(int index, const Scratch& scratch, PairClearance&
   bool improved = false;
   for (std::size_t i = bodies[a].first_piece; i < bodies[a].first_piece + bodies[a].piece_count;
        ++i) {
+    const Placed piece_a{pieces[i], scratch.X_WG[i], scratch.boxes[i]};
     for (std::size_t j = bodies[b].first_piece; j < bodies[b].first_piece + bodies[b].piece_count;
          ++j) {
-      const double at_least = distance(scratch.boxes[i], scratch.boxes[j]);
-      if (at_least >= best.distance) continue;
-      const FclPiece &piece_a = pieces[i], &piece_b = pieces[j];
-      const double radii = piece_a.radius + piece_b.radius;
-      const auto core_distance =
-          piece_a.is_mesh() || piece_b.is_mesh() ? surface_distance : solid_distance;
-      const CoreDistance core =
-          core_distance(piece_a, scratch.X_WG[i], piece_b, scratch.X_WG[j], best.distance + radii);
-      if (!(core.distance - radii < best.distance)) continue;
-      // FCL's estimates of depth may be deeper than the boxes overlap.
-      best = {index, std::max(core.distance - radii, at_least), core.nhat_BA_W,
-              core.p_Wa - piece_a.radius * core.nhat_BA_W,
-              core.p_Wb + piece_b.radius * core.nhat_BA_W};
-      improved = true;
+      const Placed piece_b{pieces[j], scratch.X_WG[j], scratch.boxes[j]};
+      improved = improve(index, piece_a, piece_b, best) || improved;
     }
   }
+  return improve_with_clouds(index, scratch, best) || improved;
+}
+
+/// The same by two pieces alone.
+bool FclChecker::Impl::improve(int index, const Placed& a, const Placed& b, PairClearance& best) {
+  const double at_least = distance(a.box, b.box);
+  if (at_least >= best.distance) return false;
+  const double radii = a.piece.radius + b.piece.radius;
+  const auto core_distance =
+      a.piece.is_mesh() || b.piece.is_mesh() ? surface_distance : solid_distance;
+  const CoreDistance core = core_distance(a.piece, a.X_WG, b.piece, b.X_WG, best.distance + radii);
+  if (!(core.distance - radii < best.distance)) return false;
+  // FCL's estimates of depth may be deeper than the boxes overlap.
+  best = {index, std::max(core.distance - radii, at_least), core.nhat_BA_W,
+          core.p_Wa - a.piece.radius * core.nhat_BA_W, core.p_Wb + b.piece.radius * core.nhat_BA_W};
+  return true;
+}
+
+/// The same by the clouds of either body and everything of the other.
+bool FclChecker::Impl::improve_with_clouds(int index, const Scratch& scratch,
+                                           PairClearance& best) const {
+  const world::BodyPair& p = pair(index);
+  bool improved = false;
+  for (const bool cloud_is_a : {true, false}) {
+    const Body& owner = bodies[static_cast<std::size_t>(cloud_is_a ? p.a : p.b)];
+    const Body& other = bodies[static_cast<std::size_t>(cloud_is_a ? p.b : p.a)];
+    for (std::size_t c = owner.first_cloud; c < owner.first_cloud + owner.cloud_count; ++c) {
+      for (std::size_t i = other.first_piece; i < other.first_piece + other.piece_count; ++i) {
+        const Placed piece{pieces[i], scratch.X_WG[i], scratch.boxes[i]};
+        improved = improve_with_cloud(index, piece, c, cloud_is_a, scratch, best) || improved;
+      }
+      if (!cloud_is_a) continue;  // Clouds with clouds once.
+      for (std::size_t o = other.first_cloud; o < other.first_cloud + other.cloud_count; ++o) {
+        if (distance(scratch.cloud_boxes[c], scratch.cloud_boxes[o]) >= best.distance) continue;
+        for (const auto& ball_L : clouds[o]->balls_L()) {
+          const Eigen::Isometry3d X_WG = scratch.X_WL_of_cloud[o] * ball_L->getTransform();
+          const FclPiece& point = clouds[o]->point();
+          const Placed piece{point, X_WG, box_around(point, X_WG)};
+          improved = improve_with_cloud(index, piece, c, true, scratch, best) || improved;
+        }
+      }
+    }
+  }
+  return improved;
+}
+
+bool FclChecker::Impl::improve_with_cloud(int index, const Placed& other, std::size_t cloud,
+                                          bool cloud_is_a, const Scratch& scratch,
+                                          PairClearance& best) const {
+  if (distance(other.box, scratch.cloud_boxes[cloud]) >= best.distance) return false;
+  const Eigen::Isometry3d& X_WL = scratch.X_WL_of_cloud[cloud];
+  Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
+  X_WB.translation() = other.box.center;
+  const FclPiece& point = clouds[cloud]->point();
+  bool improved = false;
+  clouds[cloud]->visit_near(
+      X_WL.inverse() * X_WB, other.box.half, best.distance, [&](const Eigen::Isometry3d& X_LG) {
+        const Eigen::Isometry3d X_WG = X_WL * X_LG;
+        const Placed ball{point, X_WG, box_around(point, X_WG)};
+        improved =
+            (cloud_is_a ? improve(index, ball, other, best) : improve(index, other, ball, best)) ||
+            improved;
+        return best.distance;
+      });
   return improved;
 }
 
@@ -141,10 +233,12 @@ Result<std::unique_ptr<FclChecker>> FclChecker::make(std::shared_ptr<const world
   auto impl = std::make_unique<Impl>();
   FclMeshes meshes;
   for (const world::Body& body : cell->bodies()) {
-    auto pieces = make_pieces(*cell, body, geometry, meshes);
-    if (!pieces) return std::unexpected(pieces.error());
-    impl->bodies.push_back({body.link, body.moved_by != 0, impl->pieces.size(), pieces->size()});
-    impl->pieces.insert(impl->pieces.end(), pieces->begin(), pieces->end());
+    auto made = make_pieces(*cell, body, geometry, meshes);
+    if (!made) return std::unexpected(made.error());
+    impl->bodies.push_back({body.link, body.moved_by != 0, impl->pieces.size(), made->pieces.size(),
+                            impl->clouds.size(), made->clouds.size()});
+    std::ranges::move(made->pieces, std::back_inserter(impl->pieces));
+    std::ranges::move(made->clouds, std::back_inserter(impl->clouds));
   }
   impl->cell = std::move(cell);
   return std::unique_ptr<FclChecker>(new FclChecker(std::move(impl)));

@@ -7,14 +7,14 @@
 namespace tandem::collision {
 
 enum class FclGeometry {
-  kVolumes,  ///< The bodies' swept sphere volumes, padded.
+  kVolumes,  ///< The bodies' shapes and surfaces, padded.
   kUrdf,     ///< The links' collision geometry as in the URDF; obstacles and attached objects from
-             ///< their shapes; nothing padded.
+             ///< their shapes and surfaces; nothing padded.
 };
 
 /// Same answers as SsvChecker on kVolumes: distances, and depths of all but cylinders, to 1e-5 m; a
-/// cylinder's depth is never too small. What lies inside a mesh is in collision with it; the depth
-/// in a mesh is an estimate, and against a mesh a cylinder is a prism of 128 sides around it.
+/// cylinder's depth is never too small. What lies inside a closed mesh is in collision with it; the
+/// depth in a mesh is an estimate, and against a mesh a cylinder is a prism of 128 sides around it.
 class FclChecker final : public CollisionChecker {
  public:
   /// @return kNotFound or kIo naming the link and file if a mesh cannot be read; kUnsupported if a

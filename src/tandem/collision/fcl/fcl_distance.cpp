@@ -2,6 +2,7 @@
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -49,7 +50,7 @@ CoreDistance solid_depth(const FclPiece& a, const Isometry3d& X_WA, const FclPie
   const fcl::CollisionRequestd request(1, true);
   fcl::CollisionResultd result;
   fcl::collide(a.solid.get(), X_WA, b.solid.get(), X_WB, request, result);
-  Vector3d p_W = X_WA * a.p_GP;
+  Vector3d p_W = X_WA * a.points_G.front();
   if (result.numContacts() > 0) {
     const fcl::Contactd& contact = result.getContact(0);
     if (contact.normal.norm() > 0) attempt(contact.normal.normalized());
@@ -92,6 +93,15 @@ bool encloses(const FclPiece& piece, const Vector3d& p_G) {
   return std::abs(solid_angle) > 2 * std::numbers::pi;
 }
 
+/// Whether a part of `inner` is enclosed by `outer`, if their surfaces do not touch.
+bool encloses(const FclPiece& outer, const Isometry3d& X_WO, const FclPiece& inner,
+              const Isometry3d& X_WI) {
+  if (outer.is_hollow) return false;
+  const Isometry3d X_OI = X_WO.inverse() * X_WI;
+  return std::ranges::any_of(inner.points_G,
+                             [&](const Vector3d& p_I) { return encloses(outer, X_OI * p_I); });
+}
+
 /// FCL's estimate for surfaces that intersect: the deepest of its contacts.
 CoreDistance surface_depth(const FclPiece& a, const Isometry3d& X_WA, const FclPiece& b,
                            const Isometry3d& X_WB) {
@@ -99,7 +109,8 @@ CoreDistance surface_depth(const FclPiece& a, const Isometry3d& X_WA, const FclP
   const fcl::CollisionRequestd request(kMostContacts, true);
   fcl::CollisionResultd result;
   fcl::collide(a.surface.get(), X_WA, b.surface.get(), X_WB, request, result);
-  CoreDistance deepest{0, Vector3d::UnitZ(), X_WA * a.p_GP, X_WA * a.p_GP};
+  const Vector3d p_W = X_WA * a.points_G.front();
+  CoreDistance deepest{0, Vector3d::UnitZ(), p_W, p_W};
   for (std::size_t i = 0; i < result.numContacts(); ++i) {
     const fcl::Contactd& contact = result.getContact(i);
     if (contact.penetration_depth < -deepest.distance) continue;
@@ -142,8 +153,7 @@ CoreDistance solid_distance(const FclPiece& a, const Isometry3d& X_WA, const Fcl
 
 CoreDistance surface_distance(const FclPiece& a, const Isometry3d& X_WA, const FclPiece& b,
                               const Isometry3d& X_WB, double limit) {
-  const bool enclosed = encloses(a, X_WA.inverse() * (X_WB * b.p_GP)) ||
-                        encloses(b, X_WB.inverse() * (X_WA * a.p_GP));
+  const bool enclosed = encloses(a, X_WA, b, X_WB) || encloses(b, X_WB, a, X_WA);
   const fcl::DistanceRequestd request(true);
   // FCL takes a distance that is not positive for an answer.
   fcl::DistanceResultd result(enclosed ? kInfinity
@@ -152,7 +162,10 @@ CoreDistance surface_distance(const FclPiece& a, const Isometry3d& X_WA, const F
   if (!(result.min_distance > 0)) return surface_depth(a, X_WA, b, X_WB);
   CoreDistance core{result.min_distance, Vector3d::UnitZ(), result.nearest_points[0],
                     result.nearest_points[1]};
-  if (!enclosed && core.distance >= limit) return core;
+  if (!enclosed && core.distance >= limit) {  // Then there are no nearest points.
+    core.distance = kInfinity;
+    return core;
+  }
   const Vector3d p_BA = core.p_Wa - core.p_Wb;
   if (p_BA.norm() > 0) core.nhat_BA_W = p_BA.normalized();
   if (enclosed) {  // At least as deep as the surfaces are apart.

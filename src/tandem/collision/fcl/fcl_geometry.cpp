@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <set>
 
 #include "tandem/geometry/mesh_file.h"
 
@@ -32,6 +34,23 @@ std::shared_ptr<const fcl::CollisionGeometryd> make_surface(const TriangleMesh& 
   surface->endModel();
   surface->computeLocalAABB();
   return surface;
+}
+
+/// A vertex of every part whose triangles share vertices.
+std::vector<Vector3d> part_points(const TriangleMesh& mesh) {
+  std::vector<int> part(mesh.vertices.size());
+  std::iota(part.begin(), part.end(), 0);
+  const auto of = [&part](int v) -> int& { return part[static_cast<std::size_t>(v)]; };
+  const auto root = [&of](int v) {
+    while (of(v) != v) v = of(v) = of(of(v));
+    return v;
+  };
+  std::set<int> parts;
+  for (const auto& [p, q, r] : mesh.triangles) of(root(p)) = of(root(q)) = root(r);
+  for (const auto& triangle : mesh.triangles) parts.insert(root(triangle[0]));
+  std::vector<Vector3d> points;
+  for (const int v : parts) points.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+  return points;
 }
 
 void add_direction(std::vector<Vector3d>& directions, const Vector3d& v) {
@@ -97,7 +116,7 @@ void finish_polytope(FclPiece& piece) {
   const auto vertices = std::make_shared<std::vector<Vector3d>>(piece.vertices_G);
   const auto faces = std::make_shared<std::vector<int>>(std::vector{3, 0, 1, 2});
   piece.solid = std::make_shared<fcl::Convexd>(vertices, 1, faces, false);
-  piece.p_GP = piece.vertices_G.front();
+  piece.points_G = {piece.vertices_G.front()};
 }
 
 /// Along z. Its surface is a prism around it.
@@ -139,7 +158,7 @@ Result<FclPiece> mesh_piece(const robot::MeshGeometry& mesh, const std::string& 
   if (!read) return fail(read.error().code, "link '" + link + "': " + read.error().message);
   FclPiece piece;
   piece.surface = make_surface(*read);
-  piece.p_GP = read->vertices[static_cast<std::size_t>(read->triangles.front()[0])];
+  piece.points_G = {read->vertices[static_cast<std::size_t>(read->triangles.front()[0])]};
   return meshes.emplace(key, piece).first->second;
 }
 
@@ -202,6 +221,18 @@ FclPiece make_piece(const Shape& shape_L) {
   return piece;
 }
 
+FclPiece make_piece(const geometry::PlacedSurface& mesh_L, double padding) {
+  const geometry::Surface& surface = *mesh_L.surface;
+  const TriangleMesh mesh{surface.vertices(), surface.triangles()};
+  FclPiece piece;
+  piece.surface = make_surface(mesh);
+  piece.X_LG = mesh_L.X_FS;
+  piece.radius = surface.radius() + padding;
+  piece.points_G = part_points(mesh);
+  piece.is_hollow = !surface.is_closed();
+  return piece;
+}
+
 Result<FclPiece> make_piece(const robot::Geometry& geometry, const std::string& link,
                             FclMeshes& meshes) {
   Result<FclPiece> piece = std::visit(ToPiece{link, meshes}, geometry.shape);
@@ -220,6 +251,10 @@ FclBox box_around(const FclPiece& piece, const Isometry3d& X_WG) {
   return {
       X_WG * Vector3d(0.5 * (box.min_ + box.max_)),
       X_WG.linear().cwiseAbs() * (0.5 * (box.max_ - box.min_)) + Vector3d::Constant(piece.radius)};
+}
+
+FclBox box_around(const FclBox& box_L, const Isometry3d& X_WL) {
+  return {X_WL * box_L.center, X_WL.linear().cwiseAbs() * box_L.half};
 }
 
 }  // namespace tandem::collision

@@ -22,7 +22,9 @@ struct FclPiece {
   std::shared_ptr<const fcl::CollisionGeometryd> surface;  ///< Its triangles.
   Eigen::Isometry3d X_LG = Eigen::Isometry3d::Identity();
   double radius = 0;
-  Eigen::Vector3d p_GP = Eigen::Vector3d::Zero();  ///< Some point of it.
+  /// Some point of every part of it that hangs together.
+  std::vector<Eigen::Vector3d> points_G{Eigen::Vector3d::Zero()};
+  bool is_hollow = false;  ///< A surface without an inside, whatever it seems to enclose.
   // Of a solid: what it is the hull of, and where its supporting planes may lie when it overlaps
   // another. A cylinder is given by its size, along z.
   std::vector<Eigen::Vector3d> vertices_G, normals_G, edges_G;
@@ -38,6 +40,9 @@ using FclMeshes = std::map<std::pair<std::string, std::array<double, 3>>, FclPie
 
 /// A shape's core as a solid, its radius kept apart.
 FclPiece make_piece(const geometry::Shape& shape_L);
+
+/// A triangle mesh, fixed on a link, swept by `padding` more [m].
+FclPiece make_piece(const geometry::PlacedSurface& mesh_L, double padding);
 
 /// A piece of a URDF link.
 /// @param link  its name, for messages.
@@ -55,6 +60,7 @@ struct FclBox {
 double distance(const FclBox& a, const FclBox& b);
 
 FclBox box_around(const FclPiece& piece, const Eigen::Isometry3d& X_WG);
+FclBox box_around(const FclBox& box_L, const Eigen::Isometry3d& X_WL);
 
 /// Distance, normal and points of two pieces without their radii.
 struct CoreDistance {
