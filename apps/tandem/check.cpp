@@ -5,6 +5,7 @@
 #include "commands.h"
 #include "options.h"
 #include "stop_signals.h"
+#include "tandem/collision/ssv_checker.h"
 #include "tandem/io/moveit_scene.h"
 #include "tandem/io/plan_file.h"
 
@@ -15,18 +16,48 @@ namespace {
 struct CheckCommand {
   CellOptions cell;
   std::uint64_t seed = 1;
-  bool pairs = false, json = false;
+  int samples = 10'000;
+  bool pairs = false, suggest = false, json = false;
   std::string scene;
   bool force = false;
 };
 
-QueryCheck check_query(const std::shared_ptr<const world::Workcell>& cell,
-                       const world::Query& query, std::uint64_t seed) {
-  const auto resolved = pipeline::resolve(cell, query, seed);
-  if (!resolved) return {query.name, false, resolved.error().message};
-  const auto ends = pipeline::check_ends(*cell, *resolved);
-  if (!ends) return {query.name, false, ends.error().message};
-  return {query.name, true, ""};
+using Cell = std::shared_ptr<const world::Workcell>;
+
+QueryCheck check_query(const Cell& cell, const world::Query& query, std::uint64_t seed) {
+  QueryCheck check;
+  check.name = query.name;
+  auto resolved = pipeline::resolve(cell, query, seed);
+  if (!resolved) {
+    check.reason = resolved.error().message;
+    return check;
+  }
+  check.ends = std::move(*resolved);
+  const collision::SsvChecker checker(check.ends->cell ? check.ends->cell : cell);
+  check.start = pipeline::examine(checker, check.ends->start);
+  check.goal = pipeline::examine(checker, check.ends->goal);
+  return check;
+}
+
+/// One proposal per robot description: robots that share one share its SRDF.
+int suggest(const CheckCommand& command, const world::Workcell& cell, std::stop_token token) {
+  collision::SuggestionOptions options;
+  options.samples = command.samples;
+  options.seed = command.seed;
+  options.stop = StopCondition::after(std::numeric_limits<double>::infinity(), token);
+  std::vector<RobotSuggestion> all;
+  for (const world::RobotSpec& robot : cell.spec().robots) {
+    const bool known = std::ranges::any_of(all, [&](const RobotSuggestion& other) {
+      return !robot.urdf.empty() && other.robot->urdf == robot.urdf &&
+             other.robot->srdf == robot.srdf;
+    });
+    if (known) continue;
+    auto pairs = collision::suggest_disabled_pairs(robot, options);
+    if (!pairs) return report("check", pairs.error());
+    all.push_back({&robot, std::move(*pairs)});
+  }
+  return print("check", command.json ? suggestions_json(all, command.samples, command.seed)
+                                     : suggestions_text(all, command.samples, command.seed));
 }
 
 /// Writes the obstacles as one of MoveIt's scenes, and says what it cannot say exactly.
@@ -43,11 +74,12 @@ int run(const CheckCommand& command) {
   const StopSignals signals;
   const auto loaded = command.cell.load();
   if (!loaded) return report("check", loaded.error());
-  const auto& cell = *loaded;
+  const Cell& cell = *loaded;
   if (!command.scene.empty()) {
     auto written = export_scene(*cell, command);
     if (!written) return report("check", written.error());
   }
+  if (command.suggest) return suggest(command, *cell, signals.token());
   std::vector<QueryCheck> queries;
   std::vector<world::Query> all = cell->queries();
   for (const world::QueryList& list : cell->lists()) {
@@ -61,8 +93,8 @@ int run(const CheckCommand& command) {
   }
   const int printed = print("check", command.json ? check_json(*cell, queries, command.pairs)
                                                   : check_text(*cell, queries, command.pairs));
-  const auto bad = std::count_if(queries.begin(), queries.end(),
-                                 [](const QueryCheck& query) { return !query.feasible; });
+  const auto bad =
+      std::ranges::count_if(queries, [](const QueryCheck& query) { return !query.feasible(); });
   if (printed != kOk || bad == 0) return printed;
   std::cerr << "tandem check: " << bad << " of " << queries.size() << " queries are not feasible"
             << std::endl;
@@ -77,7 +109,14 @@ void add_check(CLI::App& app, int& exit_code) {
   auto command = std::make_shared<CheckCommand>();
   command->cell.add_to(*sub);
   sub->add_flag("--pairs", command->pairs, "List every pair of bodies, checked or skipped and why");
-  sub->add_option("--seed", command->seed, "Of the inverse kinematics of pose goals")
+  sub->add_flag("--suggest-pairs", command->suggest,
+                "Propose pairs of links that need no check, as lines of an SRDF, instead");
+  sub->add_option("--samples", command->samples, "Configurations that --suggest-pairs looks at")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(whole_number(1) & CLI::Range(1, 100'000'000));
+  sub->add_option("--seed", command->seed,
+                  "Of the inverse kinematics of pose goals, and of the samples")
       ->type_name("N")
       ->capture_default_str()
       ->check(whole_number(0));
@@ -89,10 +128,14 @@ void add_check(CLI::App& app, int& exit_code) {
   sub->footer(
       "Shows robots, arms, joints and their limits, bodies and their shapes, how many pairs are\n"
       "checked and why others are skipped, and for each query whether the cell can stand at its\n"
-      "start and goal: inside the limits, in reach, free of collisions, with what the arms "
-      "carry.\n\n"
+      "start and goal, with what the arms carry: inside the limits, in reach, free of collisions.\n"
+      "If it cannot, every joint outside its limits and every touching pair is named, and by how\n"
+      "much.\n\n"
+      "--suggest-pairs is for robots without SRDF: the lines are a proposal for a person to "
+      "review.\n\n"
       "Example:\n"
-      "  tandem check scenarios/gearbox/workcell.yaml --pairs\n\n"
+      "  tandem check scenarios/gearbox/workcell.yaml --pairs\n"
+      "  tandem check cell.yaml --suggest-pairs > pairs.xml\n\n"
       "Exit codes: 0 every query is feasible, 1 one is not, 2 options or files that cannot be\n"
       "used, 130 interrupted.");
   sub->callback([command, &exit_code] { exit_code = run(*command); });

@@ -1,19 +1,16 @@
 #include "check_report.h"
 
 #include <cmath>
-#include <map>
-#include <nlohmann/json.hpp>
+#include <set>
 
+#include "tandem/core/names.h"
 #include "tandem/io/table.h"
 
 namespace tandem::app {
 
 using io::Table;
-using Json = nlohmann::ordered_json;
 using world::Body;
 using world::Workcell;
-
-namespace {
 
 const char* to_string(Body::Kind kind) {
   switch (kind) {
@@ -31,12 +28,13 @@ const std::string& body_name(const Workcell& cell, int body) {
   return cell.bodies()[static_cast<std::size_t>(body)].name;
 }
 
-/// Skipped pairs by reason.
 std::map<std::string, int> skipped_by_reason(const Workcell& cell) {
   std::map<std::string, int> reasons;
   for (const world::SkippedPair& pair : cell.skipped_pairs()) ++reasons[pair.reason];
   return reasons;
 }
+
+namespace {
 
 /// What people call a swept core of this type.
 const char* shape_name(const geometry::Shape& shape) {
@@ -59,13 +57,17 @@ const char* shape_name(const geometry::Shape& shape) {
   return "unknown";
 }
 
-std::string shape_counts(const Body& body) {
-  std::map<std::string, int> counts;
-  for (const geometry::Shape& shape : body.shapes_L) ++counts[shape_name(shape)];
+std::string pieces_text(const Body& body) {
   std::string text;
-  for (const auto& [type, count] : counts) {
-    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + type;
+  for (const auto& [kind, count] : piece_counts(body)) {
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + kind;
   }
+  int triangles = 0, points = 0;
+  for (const geometry::PlacedSurface& placed : body.surfaces_L) {
+    (placed.surface->is_mesh() ? triangles : points) += placed.surface->piece_count();
+  }
+  if (triangles > 0) text += " (" + std::to_string(triangles) + " triangles)";
+  if (points > 0) text += " (" + std::to_string(points) + " points)";
   return text.empty() ? "none" : text;
 }
 
@@ -73,12 +75,13 @@ std::string or_dash(double value) { return std::isfinite(value) ? Table::number(
 
 std::string robots_text(const Workcell& cell) {
   Table table;
-  table.row({"robot", "links", "joints", "x", "y", "z [m]"});
+  table.row({"robot", "links", "joints", "x", "y", "z [m]", "urdf"});
   for (const world::RobotSpec& robot : cell.spec().robots) {
     const Eigen::Vector3d p = robot.X_WB.translation();
     table.row({robot.name, std::to_string(robot.model.links().size()),
                std::to_string(robot.model.position_count()), Table::number(p.x(), 3),
-               Table::number(p.y(), 3), Table::number(p.z(), 3)});
+               Table::number(p.y(), 3), Table::number(p.z(), 3),
+               robot.urdf.empty() ? "-" : robot.urdf.string()});
   }
   return table.text();
 }
@@ -102,10 +105,12 @@ std::string bodies_text(const Workcell& cell) {
   Table table;
   table.row({"body", "padding [mm]", "kind", "shapes"});
   for (const Body& body : cell.bodies()) {
-    table.row({body.name, Table::number(body.padding * 1e3, 1), to_string(body.kind),
-               shape_counts(body)});
+    table.row(
+        {body.name, Table::number(body.padding * 1e3, 1), to_string(body.kind), pieces_text(body)});
   }
-  return table.text();
+  std::string text = table.text();
+  for (const std::string& sentence : advice(cell)) text += "note: " + sentence + "\n";
+  return text;
 }
 
 std::string pairs_text(const Workcell& cell, bool list) {
@@ -125,96 +130,146 @@ std::string pairs_text(const Workcell& cell, bool list) {
   return text;
 }
 
-std::string queries_text(const std::vector<QueryCheck>& queries) {
+std::string queries_text(const Workcell& cell, const std::vector<QueryCheck>& queries) {
   if (queries.empty()) return "queries: none\n";
   std::string text;
   for (const QueryCheck& query : queries) {
-    text += "query " + query.name + ": " +
-            (query.feasible ? "feasible" : "NOT feasible: " + query.reason) + "\n";
+    text += "query " + query.name + (query.feasible() ? ": feasible\n" : ": NOT feasible\n");
+    for (const std::string& problem : problems(cell, query)) text += "  " + problem + "\n";
   }
   return text;
 }
 
-/// JSON has no infinity: a limit that does not exist is null by itself.
-Json joint_json(const Workcell& cell, int j) {
-  const robot::JointLimits& l = cell.limits()[static_cast<std::size_t>(j)];
-  return {{"name", cell.joint_names()[static_cast<std::size_t>(j)]},
-          {"lower", l.lower},
-          {"upper", l.upper},
-          {"velocity", l.velocity},
-          {"acceleration", l.acceleration},
-          {"jerk", l.jerk}};
+/// Enough digits to tell a value from the limit that it exceeds.
+std::string digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
 }
 
-Json arms_json(const Workcell& cell) {
-  Json arms = Json::array();
-  for (const world::Arm& arm : cell.arms()) {
-    Json joints = Json::array();
-    for (int j = arm.offset; j < arm.offset + arm.dof(); ++j) {
-      joints.push_back(joint_json(cell, j));
+std::string escaped(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      default:
+        safe += c;
     }
-    arms.push_back({{"name", arm.name},
-                    {"tip", cell.model().links()[static_cast<std::size_t>(arm.tip_link)].name},
-                    {"joints", std::move(joints)}});
   }
-  return arms;
+  return safe;
 }
 
-Json robots_json(const Workcell& cell) {
-  Json robots = Json::array();
-  for (const world::RobotSpec& robot : cell.spec().robots) {
-    const Eigen::Vector3d p = robot.X_WB.translation();
-    const Eigen::Quaterniond u(robot.X_WB.linear());
-    robots.push_back({{"name", robot.name},
-                      {"model", robot.model.name()},
-                      {"position", {p.x(), p.y(), p.z()}},
-                      {"orientation_wxyz", {u.w(), u.x(), u.y(), u.z()}}});
+/// Which links of the SRDF's pairs the robot lacks: misspelt, or of another variant.
+std::string ignored_pairs(const world::RobotSpec& robot) {
+  std::vector<std::string> known;
+  for (const robot::Link& link : robot.model.links()) known.push_back(link.name);
+  std::set<std::string> unknown;
+  for (const robot::DisabledPair& pair : robot.semantics.ignored_pairs) {
+    for (const std::string& link : {pair.link_a, pair.link_b}) {
+      if (robot.model.find_link(link) < 0) unknown.insert(link);
+    }
   }
-  return robots;
-}
-
-Json pairs_json(const Workcell& cell, bool list) {
-  Json reasons = Json::object();
-  for (const auto& [reason, count] : skipped_by_reason(cell)) reasons[reason] = count;
-  Json json = {{"checked", cell.pairs().size()},
-               {"skipped", cell.skipped_pairs().size()},
-               {"skipped_by_reason", std::move(reasons)}};
-  if (!list) return json;
-  json["list"] = Json::array();
-  for (const world::BodyPair& pair : cell.pairs()) {
-    json["list"].push_back({{"a", body_name(cell, pair.a)}, {"b", body_name(cell, pair.b)}});
+  constexpr int kMost = 5;
+  std::string names;
+  int count = 0;
+  for (const std::string& name : unknown) {
+    if (++count > kMost) break;
+    const std::string nearest = nearest_name(name, known);
+    names += (count > 1 ? ", '" : "'") + name + "'" +
+             (nearest.empty() ? "" : " (did you mean '" + nearest + "'?)");
   }
-  for (const world::SkippedPair& pair : cell.skipped_pairs()) {
-    json["list"].push_back(
-        {{"a", body_name(cell, pair.a)}, {"b", body_name(cell, pair.b)}, {"skipped", pair.reason}});
-  }
-  return json;
+  return std::to_string(robot.semantics.ignored_pairs.size()) + " pairs of the SRDF of robot '" +
+         robot.name + "' have no effect: it has no link " + names + (count > kMost ? ", ..." : "");
 }
 
 }  // namespace
 
-std::string check_text(const Workcell& cell, const std::vector<QueryCheck>& queries, bool pairs) {
-  return "workcell " + cell.name() + "\n\n" + robots_text(cell) + "\n" + arms_text(cell) + "\n" +
-         bodies_text(cell) + "\n" + pairs_text(cell, pairs) + "\n" + queries_text(queries);
+std::map<std::string, int> piece_counts(const Body& body) {
+  std::map<std::string, int> counts;
+  for (const geometry::Shape& shape : body.shapes_L) ++counts[shape_name(shape)];
+  for (const geometry::PlacedSurface& placed : body.surfaces_L) {
+    ++counts[placed.surface->is_mesh() ? "triangle mesh" : "point cloud"];
+  }
+  return counts;
 }
 
-std::string check_json(const Workcell& cell, const std::vector<QueryCheck>& queries, bool pairs) {
-  Json bodies = Json::array();
+std::vector<std::string> advice(const Workcell& cell) {
+  std::map<std::string, int> meshes;  // Links by robot.
   for (const Body& body : cell.bodies()) {
-    bodies.push_back({{"name", body.name},
-                      {"kind", to_string(body.kind)},
-                      {"shapes", body.shapes_L.size()},
-                      {"padding_m", body.padding}});
+    if (body.kind != Body::Kind::kRobotLink || body.surfaces_L.empty()) continue;
+    ++meshes[body.name.substr(0, body.name.find('/'))];
   }
-  Json list = Json::array();
-  for (const QueryCheck& query : queries) {
-    list.push_back({{"name", query.name}, {"feasible", query.feasible}});
-    if (!query.feasible) list.back()["reason"] = query.reason;
+  std::vector<std::string> sentences;
+  for (const auto& [robot, links] : meshes) {
+    sentences.push_back(std::to_string(links) + " links of robot '" + robot +
+                        "' are checked as triangle meshes; `tandem fit` makes volumes that are "
+                        "faster, and `meshes: convex` takes their hulls");
   }
-  const Json json = {{"workcell", cell.name()},          {"robots", robots_json(cell)},
-                     {"arms", arms_json(cell)},          {"bodies", std::move(bodies)},
-                     {"pairs", pairs_json(cell, pairs)}, {"queries", std::move(list)}};
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  for (const world::RobotSpec& robot : cell.spec().robots) {
+    if (robot.semantics.disabled_pairs.empty()) {
+      sentences.push_back("robot '" + robot.name +
+                          "' has no disabled pairs, so neighbouring links are checked against each "
+                          "other; `tandem check --suggest-pairs` proposes some");
+    }
+    if (!robot.semantics.ignored_pairs.empty()) sentences.push_back(ignored_pairs(robot));
+  }
+  return sentences;
+}
+
+std::vector<std::string> problems(const Workcell& file_cell, const QueryCheck& query) {
+  const Workcell& cell = query.cell_or(file_cell);
+  std::vector<std::string> sentences;
+  if (!query.reason.empty()) sentences.push_back(query.reason);
+  for (const auto& [what, standing] :
+       {std::pair("start: ", &query.start), std::pair("goal: ", &query.goal)}) {
+    for (const pipeline::LimitExcess& excess : standing->outside) {
+      const bool above = excess.value > excess.limit;
+      sentences.push_back(
+          what + ("joint '" + cell.joint_names()[static_cast<std::size_t>(excess.entry)]) +
+          "' is at " + digits(excess.value) + ", " + digits(std::abs(excess.value - excess.limit)) +
+          (above ? " above" : " below") + " its " + (above ? "upper" : "lower") + " limit " +
+          digits(excess.limit));
+    }
+    for (const collision::PairClearance& touching : standing->touching) {
+      sentences.push_back(what + collision::describe(cell, touching));
+    }
+  }
+  return sentences;
+}
+
+std::string check_text(const Workcell& cell, const std::vector<QueryCheck>& queries, bool pairs) {
+  return "workcell " + cell.name() + "\n\n" + robots_text(cell) + "\n" + arms_text(cell) + "\n" +
+         bodies_text(cell) + "\n" + pairs_text(cell, pairs) + "\n" + queries_text(cell, queries);
+}
+
+std::string suggestions_text(const std::vector<RobotSuggestion>& robots, int samples,
+                             std::uint64_t seed) {
+  std::string text =
+      "<!-- Proposed by tandem check, " + std::to_string(samples) + " samples, seed " +
+      std::to_string(seed) +
+      ". Review each line before it goes into the robot's SRDF.\n"
+      "     Adjacent: neighbours in the tree. Default: touching at the zero position, which an arm "
+      "may never take: look twice.\n"
+      "     Always, Never: touching in every, in no sample; that is no proof. -->\n";
+  for (const RobotSuggestion& suggestion : robots) {
+    // A comment must not hold two dashes.
+    std::string name = escaped(suggestion.robot->model.name());
+    for (std::size_t at = 0; (at = name.find("--", at)) != std::string::npos;) name.erase(at, 1);
+    text += "<!-- " + name + ": " + std::to_string(suggestion.pairs.size()) + " pairs -->\n";
+    for (const collision::PairSuggestion& pair : suggestion.pairs) {
+      text += "<disable_collisions link1=\"" + escaped(pair.link_a) + "\" link2=\"" +
+              escaped(pair.link_b) + "\" reason=\"" + to_string(pair.reason) + "\"/>\n";
+    }
+  }
+  return text;
 }
 
 }  // namespace tandem::app

@@ -15,6 +15,7 @@ import time
 import unittest
 import urllib.request
 from pathlib import Path
+from xml.etree import ElementTree
 
 PROGRAM, SOURCE = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
 CELL = SOURCE / "tests/apps/cell/workcell.yaml"
@@ -224,8 +225,12 @@ class Check(CommandLine):
         self.assertIsNone(cell["arms"][0]["joints"][2]["jerk"])
         self.assertEqual(len(cell["pairs"]["list"]),
                          cell["pairs"]["checked"] + cell["pairs"]["skipped"])
-        self.assertEqual(cell["queries"], [{"name": "swing", "feasible": True},
-                                           {"name": "rise", "feasible": True}])
+        self.assertEqual([(query["name"], query["feasible"]) for query in cell["queries"]],
+                         [("swing", True), ("rise", True)])
+        self.assertEqual(cell["queries"][0]["start"]["q"], [0.9, -0.2, 0.3, 0.5, -0.9, 0.4])
+        self.assertEqual(cell["queries"][1]["goal"]["touching"], [])
+        self.assertEqual(cell["bodies"][0]["pieces"], {"sphere": 1})
+        self.assertEqual(cell["robots"][0]["urdf"], str(CELL.parent / "arm.urdf"))
 
     def test_obstacles_go_to_moveit_and_come_back(self):
         self.ok("check", CELL, "--export-scene", "out.scene")
@@ -244,10 +249,49 @@ class Check(CommandLine):
         low = self.cell_with(lambda text: text.replace("[0.9, -0.2, 0.3]", "[0.9, 0.9, 0.3]", 1))
         done = Done("check", low)
         self.assertEqual(done.code, 1)
-        self.assertRegex(done.out, r"query swing: NOT feasible: .*table.* m deep")
+        self.assertRegex(done.out, r"query swing: NOT feasible\n  start: .*table.* m deep\n")
         self.assertIn("1 of 2 queries are not feasible", done.err)
         queries = json.loads(Done("check", low, "--json").out)["queries"]
         self.assertEqual([query["feasible"] for query in queries], [False, True])
+        touching = queries[0]["start"]["touching"]
+        self.assertIn("table", (touching[0]["a"], touching[0]["b"]))
+        depths = [pair["depth_m"] for pair in touching]
+        self.assertTrue(all(depth >= 0 for depth in depths))
+        self.assertEqual(depths, sorted(depths, reverse=True))
+
+    def test_every_touching_pair_and_joint_out_of_limits_is_named(self):
+        bad = self.cell_with(lambda text: text.replace("[0.9, -0.2, 0.3]", "[3, 1.5, -2.5]", 1))
+        done = Done("check", bad)
+        self.assertEqual(done.code, 1)
+        for words in ("start: joint 'left/yaw' is at 3, 0.2 above its upper limit 2.8",
+                      "start: joint 'left/lift' is at 1.5, 0.5 above its upper limit 1",
+                      "start: joint 'left/elbow' is at -2.5, 0.1 below its lower limit -2.4",
+                      "left/upper and table", "left/fore and table"):
+            self.assertIn(words, done.out)
+        start = json.loads(Done("check", bad, "--json").out)["queries"][0]["start"]
+        self.assertEqual([entry["joint"] for entry in start["outside_limits"]],
+                         ["left/yaw", "left/lift", "left/elbow"])
+        self.assertAlmostEqual(start["outside_limits"][2]["excess"], 0.1)
+        self.assertGreaterEqual(len(start["touching"]), 2)
+
+    def test_suggests_pairs_as_srdf(self):
+        bare = self.cell_with(lambda text: text.replace("    srdf: arm.srdf\n", "")
+                              .replace("group: arm", "base: base, tip: fore")
+                              .replace("{state: up}", "{joints: [0, -1.4, 0.6]}"))
+        self.assertIn("--suggest-pairs", Done("check", bare).out)
+        text = self.ok("check", bare, "--suggest-pairs", "--samples", "500").out
+        pairs = ElementTree.fromstring(f"<robot>{text}</robot>").findall("disable_collisions")
+        named = {(pair.get("link1"), pair.get("link2")): pair.get("reason") for pair in pairs}
+        self.assertEqual(named[("shoulder", "upper")], "Adjacent")
+        self.assertEqual(named[("upper", "fore")], "Adjacent")
+        self.assertEqual(text.count("<!-- arm: "), 1)  # Two robots of one description.
+        self.assertEqual(text, self.ok("check", bare, "--suggest-pairs", "--samples", "500").out)
+        answer = json.loads(self.ok("check", bare, "--suggest-pairs", "--json").out)
+        self.assertEqual(answer["samples"], 10000)
+        self.assertEqual(answer["robots"][0]["pairs"][0]["reason"], "Adjacent")
+        # What the SRDF disables is not proposed again.
+        self.assertNotIn('link1="upper" link2="fore"', self.ok("check", CELL, "--suggest-pairs").out)
+        self.refused(2, "check", CELL, "--suggest-pairs", "--samples", "0", says="samples")
 
 
 class Verify(CommandLine):

@@ -118,7 +118,13 @@ TEST(JointLimits, RejectMalformedFiles) {
   };
   const std::vector<Case> cases = {
       {"no YAML", "  turn: {max_velocity: 1\n", {"not well-formed"}},
-      {"tab", "  turn:\n\t\tmax_velocity: 1\n", {"limits.yaml:3", "not well-formed"}},
+      {"tab", "  turn:\n\t\tmax_velocity: 1\n", {"limits.yaml:3:15: not well-formed"}},
+      {"column", "  turn: {max_jerk: 2, max_velocity: -1}\n", {"limits.yaml:2:37: joint 'turn'"}},
+      {"two documents", "  turn: {}\n---\njoint_limits: {}\n", {":4:1:", "second document"}},
+      {"an anchor in itself", "  turn: &a {max_jerk: *a}\n", {"limits.yaml:2:", "max_jerk"}},
+      {"too deep",
+       "  turn: " + std::string(10'000, '[') + "\n",
+       {"limits.yaml:", "not well-formed"}},
       {"unknown joint",
        "  trun: {max_velocity: 1}\n",
        {"limits.yaml:2", "no joint 'trun'", "robot 'r'", "did you mean 'turn'"}},

@@ -254,6 +254,44 @@ TEST(Urdf, RejectsMalformedLinks) {
   });
 }
 
+// Elements are found by a walk of our own through the text, whatever stands between them.
+TEST(Urdf, NamesLineAndColumn) {
+  const std::string strange =
+      "<?xml version='1.0'?><!-- <link name='x'> --><!DOCTYPE robot>\n"
+      "<robot name='r'> <gazebo><![CDATA[ <link> ]]></gazebo>\n"
+      "  <a note='> <b' other=\"'<c>'\"/> <link name='a'/>";
+  expect_malformed({
+      {"among others", strange + " <link name='a'/></robot>", {"arm.urdf:3:51: link 'a'"}},
+      {"after tabs", strange + "\n\t\t<link/></robot>", {"arm.urdf:4:3: robot 'r': <link>"}},
+      {"after carriage returns",
+       strange + "\r\n <link/></robot>",
+       {"arm.urdf:4:2: robot 'r': <link>"}},
+      {"deep",
+       strange + "<link name='b'><collision><geometry><box size='1'/>" +
+           "</geometry></collision></link></robot>",
+       {"arm.urdf:3:86: link 'b': <box>", "size=\"1\""}},
+      {"root", "\n <sdf/>", {"arm.urdf:2:2: ", "<sdf>"}},
+      {"no XML",
+       "<robot name='r'>\n  <link name='a'>\n</robot>",
+       {"arm.urdf:2:3: not well-formed"}},
+      {"tree",
+       strange + "\n  <link name='b'/></robot>",
+       {"arm.urdf:4:3: links 'a' and 'b'", "roots"}},
+      {"empty tree", "<robot name='r'>\n</robot>", {"arm.urdf:1:1: robot 'r' has no links"}},
+  });
+}
+
+TEST(Urdf, RefusesWhatIsTooLargeOrTooDeep) {
+  std::string many = "<robot name='r'>";
+  for (int i = 0; i < 10'001; ++i) many.append("<link name='l").append(std::to_string(i)) += "'/>";
+  const std::string deep(100'000, '<');
+  std::string nested;
+  for (int i = 0; i < 100'000; ++i) nested += "<a>";
+  expect_malformed({{"links", many + "</robot>", {"arm.urdf:1:", "over 10000 <link> elements"}},
+                    {"brackets", deep, {"not well-formed"}},
+                    {"levels", nested, {"not well-formed"}}});
+}
+
 TEST(Urdf, ReportsFilesThatCannotBeRead) {
   expect_error(load_urdf("/no/such.urdf"), ErrorCode::kNotFound, {"/no/such.urdf"});
   expect_error(load_urdf(testing::TempDir()), ErrorCode::kIo, {"folder"});

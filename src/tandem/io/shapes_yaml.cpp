@@ -130,6 +130,11 @@ const std::vector<std::string>& geometry_keys() {
   return keys;
 }
 
+void Pieces::move(const Eigen::Isometry3d& X) {
+  for (Shape& shape : shapes) shape = shape.in(X);
+  for (geometry::PlacedSurface& placed : surfaces) placed.X_FS = X * placed.X_FS;
+}
+
 std::vector<Shape> read_shapes(const YamlNode& list) {
   std::vector<Shape> shapes;
   for (const YamlNode& item : list.items()) {
@@ -140,18 +145,16 @@ std::vector<Shape> read_shapes(const YamlNode& list) {
   return shapes;
 }
 
-std::vector<Shape> read_geometry(const YamlNode& map) {
+Pieces read_geometry(const YamlNode& map) {
   std::vector<std::string> choices = shape_keys();
   choices.push_back("shapes");
   const std::string& kind = map.one_of(choices);
-  std::vector<Shape> shapes = kind == "shapes" ? read_shapes(map.at(kind))
-                                               : std::vector<Shape>{read_shape(kind, map.at(kind))};
-  if (shapes.empty()) map.at(kind).refuse("shapes must not be empty; give at least one");
-  if (const YamlNode* pose = map.find("pose")) {
-    const Eigen::Isometry3d X = read_pose(*pose);
-    for (Shape& shape : shapes) shape = shape.in(X);
-  }
-  return shapes;
+  Pieces pieces;
+  pieces.shapes = kind == "shapes" ? read_shapes(map.at(kind))
+                                   : std::vector<Shape>{read_shape(kind, map.at(kind))};
+  if (pieces.shapes.empty()) map.at(kind).refuse("shapes must not be empty; give at least one");
+  if (const YamlNode* pose = map.find("pose")) pieces.move(read_pose(*pose));
+  return pieces;
 }
 
 }  // namespace tandem::io

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tandem/geometry/shape.h"
+#include "tandem/geometry/surface.h"
 #include "tandem/io/yaml_node.h"
 
 namespace tandem::io {
@@ -17,11 +18,18 @@ Eigen::Isometry3d read_pose_in(const YamlNode& map);
 /// A map of pose keys and nothing else.
 Eigen::Isometry3d read_pose(const YamlNode& map);
 
+/// What a body is made of, in one frame.
+struct Pieces {
+  std::vector<geometry::Shape> shapes;
+  std::vector<geometry::PlacedSurface> surfaces;
+  void move(const Eigen::Isometry3d& X);
+};
+
 /// Keys of a map that holds geometry: each kind of shape, `shapes`, `pose`.
 const std::vector<std::string>& geometry_keys();
-/// The shape or `shapes` in the geometry keys of a map, moved by its `pose`; the map may have other
+/// The piece or `shapes` in the geometry keys of a map, moved by its `pose`; the map may have other
 /// keys.
-std::vector<geometry::Shape> read_geometry(const YamlNode& map);
+Pieces read_geometry(const YamlNode& map);
 /// A list of maps of one shape each.
 std::vector<geometry::Shape> read_shapes(const YamlNode& list);
 

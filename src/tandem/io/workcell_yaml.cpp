@@ -5,6 +5,7 @@
 
 #include "tandem/core/names.h"
 #include "tandem/io/moveit_scene.h"
+#include "tandem/io/named_path.h"
 #include "tandem/io/shapes_yaml.h"
 #include "tandem/robot/joint_limits.h"
 #include "tandem/robot/urdf.h"
@@ -48,11 +49,12 @@ class Reader {
   WorkcellSpec read(const YamlNode& root);
 
  private:
-  fs::path path(const YamlNode& node, bool folder) const;
+  NamedPaths paths() const { return {folder_, robot::PackagePath::with_environment(packages_)}; }
   world::RobotSpec read_robot(const YamlNode& map) const;
   world::ArmSpec read_arm(const YamlNode& map) const;
   world::AttachedSpec read_attached(const YamlNode& map) const;
-  void place_in_tool(const YamlNode& name, world::AttachedSpec& attached) const;
+  Eigen::Isometry3d place_in_tool(const YamlNode& name, world::AttachedSpec& attached) const;
+  world::ObstacleSpec read_obstacle(const YamlNode& map) const;
   void read_scene(const YamlNode& node);
   void read_padding(const YamlNode& node);
 
@@ -60,22 +62,6 @@ class Reader {
   std::vector<fs::path> packages_;
   WorkcellSpec spec_;
 };
-
-/// A path of the file, relative to its folder; it must exist.
-fs::path Reader::path(const YamlNode& node, bool folder) const {
-  const fs::path path = (folder_ / node.text()).lexically_normal();
-  std::error_code ignored;
-  if (!fs::exists(path, ignored)) {
-    node.refuse(node.label() + ": there is no '" + path.string() +
-                    "' (paths are relative to the file that names them)",
-                ErrorCode::kNotFound);
-  }
-  if (fs::is_directory(path, ignored) != folder) {
-    node.refuse(node.label() + ": '" + path.string() + "' is " +
-                (folder ? "not a folder" : "a folder, not a file"));
-  }
-  return path;
-}
 
 /// Limits that the workcell states for joints of a robot.
 void read_limits(const YamlNode& map, robot::Model& model) {
@@ -110,17 +96,19 @@ world::RobotSpec Reader::read_robot(const YamlNode& map) const {
   world::RobotSpec robot;
   robot.where = map.where();
   robot.name = map.at("name").text();
-  const robot::PackagePath packages = robot::PackagePath::with_environment(packages_);
-  robot.model = take(robot::load_urdf(path(map.at("urdf"), false), packages));
+  const NamedPaths paths = this->paths();
+  robot.urdf = paths.file(map.at("urdf"));
+  robot.model = take(robot::load_urdf(robot.urdf, paths.packages()));
   if (const YamlNode* srdf = map.find("srdf")) {
-    robot.semantics = take(robot::load_srdf(path(*srdf, false), robot.model));
+    robot.srdf = paths.file(*srdf);
+    robot.semantics = take(robot::load_srdf(robot.srdf, robot.model));
   }
   for (const YamlNode* overlay : items_of(map, "joint_limits")) {
-    take(robot::overlay_joint_limits(path(*overlay, false), robot.model));
+    take(robot::overlay_joint_limits(paths.file(*overlay), robot.model));
   }
   if (const YamlNode* limits = map.find("limits")) read_limits(*limits, robot.model);
   if (const YamlNode* volumes = map.find("volumes")) {
-    robot.volumes = take(load_volumes(path(*volumes, false), robot.model));
+    robot.volumes = take(load_volumes(paths.file(*volumes), robot.model));
   }
   if (const YamlNode* base = map.find("base")) robot.X_WB = read_pose(*base);
   if (const YamlNode* joints = map.find("joints")) {
@@ -145,11 +133,14 @@ world::ArmSpec Reader::read_arm(const YamlNode& map) const {
   return arm;
 }
 
-world::ObstacleSpec read_obstacle(const YamlNode& map) {
+world::ObstacleSpec Reader::read_obstacle(const YamlNode& map) const {
   std::vector<std::string> keys = geometry_keys();
   keys.push_back("name");
   map.only(keys);
-  world::ObstacleSpec obstacle{map.at("name").text(), read_geometry(map), map.where()};
+  const std::string name = map.at("name").text();
+  Pieces pieces = read_geometry(map);
+  world::ObstacleSpec obstacle{name, std::move(pieces.shapes), map.where(),
+                               std::move(pieces.surfaces)};
   if (const YamlNode* pose = map.find("pose")) obstacle.X_WO = read_pose(*pose);
   return obstacle;
 }
@@ -161,19 +152,21 @@ world::AttachedSpec Reader::read_attached(const YamlNode& map) const {
   world::AttachedSpec attached;
   attached.where = map.where();
   attached.name = map.at("name").text();
-  attached.shapes_L = read_geometry(map);
+  Pieces pieces = read_geometry(map);
   if (const YamlNode* pose = map.find("pose")) attached.X_LO = read_pose(*pose);
   for (const YamlNode* name : items_of(map, "touching")) attached.touching.push_back(name->text());
   if (map.one_of({"arm", "link"}) == "link") {
     attached.link = map.at("link").text();
   } else {
-    place_in_tool(map.at("arm"), attached);
+    pieces.move(place_in_tool(map.at("arm"), attached));
   }
+  attached.shapes_L = std::move(pieces.shapes);
+  attached.surfaces_L = std::move(pieces.surfaces);
   return attached;
 }
 
-/// What an arm carries is given in its tool frame.
-void Reader::place_in_tool(const YamlNode& name, world::AttachedSpec& attached) const {
+/// What an arm carries is given in its tool frame.   @return the tool frame in the link.
+Eigen::Isometry3d Reader::place_in_tool(const YamlNode& name, world::AttachedSpec& attached) const {
   const auto arm = std::ranges::find(spec_.arms, name.text(), &world::ArmSpec::name);
   if (arm == spec_.arms.end()) {
     name.refuse(
@@ -189,8 +182,8 @@ void Reader::place_in_tool(const YamlNode& name, world::AttachedSpec& attached) 
   }
   if (tip.empty()) name.refuse("arm '" + arm->name + "' has no tip; give it a 'tip' link");
   attached.link = arm->robot + "/" + tip;
-  for (geometry::Shape& shape : attached.shapes_L) shape = shape.in(arm->X_LE);
   attached.X_LO = arm->X_LE * attached.X_LO;
+  return arm->X_LE;
 }
 
 /// One of MoveIt's scenes, or a list of them.
@@ -199,7 +192,7 @@ void Reader::read_scene(const YamlNode& node) {
     for (const YamlNode& item : node.items()) read_scene(item);
     return;
   }
-  MoveitScene scene = take(load_moveit_scene(path(node, false)));
+  MoveitScene scene = take(load_moveit_scene(paths().file(node)));
   std::ranges::move(scene.obstacles, std::back_inserter(spec_.obstacles));
 }
 
@@ -286,7 +279,8 @@ WorkcellSpec Reader::read(const YamlNode& root) {
   root.only({"name", "packages", "robots", "arms", "obstacles", "scene", "attached", "allowed",
              "padding", "queries", "lists"});
   spec_.name = root.at("name").text();
-  for (const YamlNode* item : items_of(root, "packages")) packages_.push_back(path(*item, true));
+  for (const YamlNode* item : items_of(root, "packages"))
+    packages_.push_back(paths().folder(*item));
   for (const YamlNode& item : root.at("robots").items()) spec_.robots.push_back(read_robot(item));
   for (const YamlNode& item : root.at("arms").items()) spec_.arms.push_back(read_arm(item));
   for (const YamlNode* item : items_of(root, "obstacles")) {

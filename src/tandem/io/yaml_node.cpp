@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <sstream>
 
 #include "tandem/core/contract.h"
+#include "tandem/core/file.h"
 #include "tandem/core/names.h"
 
 namespace tandem::io {
@@ -160,19 +160,7 @@ YamlNode YamlNode::load(const std::filesystem::path& file) {
   const auto stop = [&](ErrorCode code, const std::string& message) {
     throw YamlError{{code, file.string() + ": " + message}};
   };
-  std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) {
-    stop(ErrorCode::kNotFound, "there is no such file");
-  }
-  if (std::filesystem::is_directory(file, ignored)) {
-    stop(ErrorCode::kIo, "is a folder; name the file in it");
-  }
-  std::ifstream stream(file);
-  std::stringstream content;
-  if (stream && stream.peek() != std::ifstream::traits_type::eof()) content << stream.rdbuf();
-  if (stream.bad() || !stream.is_open()) {
-    stop(ErrorCode::kIo, "cannot be read; check its permissions");
-  }
+  std::istringstream content(take(read_file(file)));
   YamlTreeBuilder builder(file.string());
   try {
     YAML::Parser parser(content);

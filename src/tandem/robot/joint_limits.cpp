@@ -8,12 +8,22 @@
 #include <set>
 #include <utility>
 
+#include "tandem/core/file.h"
 #include "tandem/core/names.h"
 #include "tandem/robot/text_reader.h"
 
 namespace tandem::robot {
 
 namespace {
+
+/// ":LINE:COLUMN", or nothing where there is no place.
+std::string place(const YAML::Mark& mark) {
+  if (mark.is_null()) return "";
+  return std::string(":")
+      .append(std::to_string(mark.line + 1))
+      .append(":")
+      .append(std::to_string(mark.column + 1));
+}
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
@@ -39,9 +49,8 @@ class Entry {
   }
 
   [[noreturn]] void fail(const YAML::Node& at, const std::string& what) const {
-    throw ReadFailure{
-        {ErrorCode::kInvalidInput,
-         origin_ + ":" + std::to_string(at.Mark().line + 1) + ": joint '" + joint_ + "': " + what}};
+    throw ReadFailure{{ErrorCode::kInvalidInput,
+                       origin_ + place(at.Mark()) + ": joint '" + joint_ + "': " + what}};
   }
   [[noreturn]] void fail(const std::string& what) const { fail(node_, what); }
 
@@ -119,11 +128,17 @@ std::vector<std::pair<int, JointLimits>> read_overlay(const YAML::Node& root,
                                                       const std::string& origin,
                                                       const Model& model) {
   const auto fail_at = [&](const YAML::Node& at, const std::string& what) {
-    throw ReadFailure{{ErrorCode::kInvalidInput,
-                       origin + ":" + std::to_string(at.Mark().line + 1) + ": " + what}};
+    throw ReadFailure{{ErrorCode::kInvalidInput, origin + place(at.Mark()) + ": " + what}};
   };
   if (!root.IsMap() || !root["joint_limits"]) {
-    throw ReadFailure{{ErrorCode::kInvalidInput, origin + ": expected the key joint_limits"}};
+    const std::vector<std::string> keys = {"joint_limits"};
+    std::string hint;
+    for (const auto& item : root.IsMap() ? root : YAML::Node()) {
+      const std::string near = nearest_name(item.first.Scalar(), keys);
+      if (!near.empty()) hint = ", found '" + item.first.Scalar() + "'";
+    }
+    throw ReadFailure{{ErrorCode::kInvalidInput,
+                       origin + place(root.Mark()) + ": expected the key joint_limits" + hint}};
   }
   for (const auto& item : root) {
     static const std::vector<std::string> kKeys = {
@@ -162,22 +177,28 @@ std::vector<std::pair<int, JointLimits>> read_overlay(const YAML::Node& root,
 }  // namespace
 
 Result<void> overlay_joint_limits(const std::filesystem::path& file, Model& model) {
-  const auto text = read_text(file);
+  const auto text = read_file(file);
   if (!text) return std::unexpected(text.error());
   return parse_joint_limits(*text, file.string(), model);
 }
 
 Result<void> parse_joint_limits(const std::string& text, const std::string& origin, Model& model) {
   try {
-    for (const auto& [joint, limits] : read_overlay(YAML::Load(text), origin, model)) {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      return fail(ErrorCode::kInvalidInput, origin + place(documents[1].Mark()) +
+                                                ": a second document begins; keep one per file");
+    }
+    const YAML::Node root = documents.empty() ? YAML::Node() : documents[0];
+    for (const auto& [joint, limits] : read_overlay(root, origin, model)) {
       model.set_limits(joint, limits);
     }
     return {};
   } catch (const ReadFailure& failure) {
     return std::unexpected(failure.error);
   } catch (const YAML::Exception& failure) {
-    return fail(ErrorCode::kInvalidInput, origin + ":" + std::to_string(failure.mark.line + 1) +
-                                              ": not well-formed YAML: " + failure.msg);
+    return fail(ErrorCode::kInvalidInput,
+                origin + place(failure.mark) + ": not well-formed YAML: " + failure.msg);
   }
 }
 

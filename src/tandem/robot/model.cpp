@@ -12,16 +12,18 @@ namespace {
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
 
-std::unexpected<Error> invalid(std::string message) {
-  return fail(ErrorCode::kInvalidInput, std::move(message));
+std::unexpected<Error> invalid(const std::string& message, const std::string& where = "") {
+  return fail(ErrorCode::kInvalidInput, where.empty() ? message : where + ": " + message);
 }
 
 template <class T>
 Result<void> check_names(const std::vector<T>& items, const std::string& kind) {
   std::unordered_map<std::string_view, int> seen;
   for (const T& item : items) {
-    if (item.name.empty()) return invalid("a " + kind + " has no name");
-    if (++seen[item.name] > 1) return invalid(kind + " '" + item.name + "' exists twice");
+    if (item.name.empty()) return invalid("a " + kind + " has no name", item.where);
+    if (++seen[item.name] > 1) {
+      return invalid(kind + " '" + item.name + "' exists twice; rename one", item.where);
+    }
   }
   return {};
 }
@@ -35,13 +37,16 @@ Result<int> connect(std::vector<Link>& links, const std::vector<Joint>& joints) 
     for (const int link : {joint.parent_link, joint.child_link}) {
       if (link < 0 || link >= count) {
         return invalid("joint '" + joint.name + "' connects link index " + std::to_string(link) +
-                       "; expected 0 to " + std::to_string(count - 1));
+                           "; expected 0 to " + std::to_string(count - 1),
+                       joint.where);
       }
     }
     Link& child = links[at(joint.child_link)];
     if (child.parent_joint >= 0) {
       return invalid("link '" + child.name + "' is the child of two joints, '" +
-                     joints[at(child.parent_joint)].name + "' and '" + joint.name + "'");
+                         joints[at(child.parent_joint)].name + "' and '" + joint.name +
+                         "'; remove one",
+                     joint.where);
     }
     child.parent_joint = static_cast<int>(i);
   }
@@ -51,10 +56,12 @@ Result<int> connect(std::vector<Link>& links, const std::vector<Joint>& joints) 
   }
   if (roots.size() > 1) {
     return invalid("links '" + links[at(roots[0])].name + "' and '" + links[at(roots[1])].name +
-                   "' are both roots; every link but one needs a joint that carries it");
+                       "' are both roots; every link but one needs a joint that carries it",
+                   links[at(roots[1])].where);
   }
   if (roots.empty()) {
-    return invalid("link '" + links[0].name + "' is part of a cycle: there is no root link");
+    return invalid("link '" + links[0].name + "' is part of a cycle: there is no root link",
+                   links[0].where);
   }
   return roots[0];
 }
@@ -86,7 +93,9 @@ Result<void> sort_tree(std::vector<Link>& links, std::vector<Joint>& joints) {
     if (k > 0) new_joint[at(links[at(order[k])].parent_joint)] = static_cast<int>(k) - 1;
   }
   for (std::size_t i = 0; i < links.size(); ++i) {
-    if (new_link[i] < 0) return invalid("link '" + links[i].name + "' is part of a cycle");
+    if (new_link[i] < 0)
+      return invalid("link '" + links[i].name + "' is part of a cycle; a robot must be a tree",
+                     links[i].where);
   }
   std::vector<Link> sorted_links(links.size());
   std::vector<Joint> sorted_joints(joints.size());
@@ -130,7 +139,8 @@ std::string limit_fault(const JointLimits& limits) {
 }
 
 Result<void> check_joint(Joint& joint) {
-  const std::string name = "joint '" + joint.name + "': ";
+  const std::string name =
+      (joint.where.empty() ? "" : joint.where + ": ") + "joint '" + joint.name + "': ";
   if (!joint.X_PJ.matrix().allFinite() || !joint.X_PJ.linear().isUnitary(1e-6)) {
     return invalid(name + "its frame in the parent link is not a finite rotation and translation");
   }
@@ -152,7 +162,8 @@ Result<void> check_joint(Joint& joint) {
 
 /// Replaces a mimic of a mimic by one of the joint at the chain's end.
 Result<void> resolve_mimic(std::vector<Joint>& joints, Joint& joint) {
-  const std::string name = "joint '" + joint.name + "': ";
+  const std::string name =
+      (joint.where.empty() ? "" : joint.where + ": ") + "joint '" + joint.name + "': ";
   Mimic& mimic = *joint.mimic;
   for (std::size_t steps = 0;; ++steps) {
     if (mimic.joint < 0 || mimic.joint >= static_cast<int>(joints.size())) {

@@ -44,6 +44,7 @@ struct Joint {
   JointLimits limits;
   std::optional<Mimic> mimic;
   int position_index = -1;  ///< Into the position vector; -1 for fixed joints and mimics.
+  std::string where = {};   ///< "FILE:LINE:COLUMN", put before messages; empty if in memory.
 };
 
 struct BoxGeometry {
@@ -58,8 +59,9 @@ struct CylinderGeometry {
 };
 struct MeshGeometry {
   std::string uri;   ///< As written: package://, file:// or relative.
-  std::string path;  ///< Resolved file; empty where its package was not found.
+  std::string path;  ///< Resolved file; empty where it was not found.
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+  std::string missing = {};  ///< Of a mesh without path: where it was looked for.
 };
 
 /// A piece of a link's geometry, as in the URDF.
@@ -80,6 +82,7 @@ struct Link {
   std::vector<Geometry> collision;
   std::vector<Geometry> visual;
   std::optional<Inertial> inertial;
+  std::string where = {};  ///< As of a joint.
 };
 
 /// An immutable tree, depth-first: a parent comes before its children, link 0 is the root, and

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "tandem/core/file.h"
 #include "tandem/core/names.h"
 #include "tandem/robot/xml_reader.h"
 
@@ -191,7 +192,7 @@ const NamedState* Semantics::find_state(std::string_view group, std::string_view
 }
 
 Result<Semantics> load_srdf(const std::filesystem::path& file, const Model& model) {
-  const auto text = read_text(file);
+  const auto text = read_file(file);
   if (!text) return std::unexpected(text.error());
   return parse_srdf(*text, file.string(), model);
 }

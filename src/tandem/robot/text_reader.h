@@ -1,7 +1,6 @@
 #pragma once
-/// Private to the readers of this folder: files to text, and text to numbers.
+/// Private to the readers of this folder: how they fail, and text to numbers.
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,9 +13,6 @@ namespace tandem::robot {
 struct ReadFailure {
   Error error;
 };
-
-/// The file's content; kNotFound or kIo.
-Result<std::string> read_text(const std::filesystem::path& file);
 
 /// The number that `text` is as a whole, whatever the locale; none if it is not finite.
 std::optional<double> parse_number(std::string_view text);

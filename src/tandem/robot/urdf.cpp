@@ -3,6 +3,7 @@
 #include <map>
 #include <numbers>
 
+#include "tandem/core/file.h"
 #include "tandem/core/names.h"
 #include "tandem/robot/xml_reader.h"
 
@@ -98,11 +99,11 @@ class UrdfReader {
                      ErrorCode::kUnsupported);
       }
     }
-    for (const XmlElement& element : robot_.children("link")) {
+    for (const XmlElement& element : bounded("link")) {
       add_name(element, link_index_);
       links.push_back(read_link(element));
     }
-    const std::vector<XmlElement> elements = robot_.children("joint");
+    const std::vector<XmlElement> elements = bounded("joint");
     for (const XmlElement& element : elements) {
       add_name(element, joint_index_);
       joints.push_back(read_joint(element));
@@ -118,6 +119,17 @@ class UrdfReader {
     int index, line;
   };
   using Names = std::map<std::string, Entry>;
+
+  /// What is computed per link and link above it stays small; no honest robot comes near.
+  std::vector<XmlElement> bounded(const char* tag) const {
+    constexpr std::size_t kMost = 10'000;
+    std::vector<XmlElement> elements = robot_.children(tag);
+    if (elements.size() > kMost) {
+      elements[kMost].fail("the file has over " + std::to_string(kMost) + " <" + tag +
+                           "> elements");
+    }
+    return elements;
+  }
 
   static void add_name(const XmlElement& element, Names& names) {
     const std::string name = element.required("name");
@@ -170,12 +182,18 @@ class UrdfReader {
     if ((mesh.scale.array() == 0).any()) {
       element.fail("scale=\"" + *element.attribute("scale") + "\": expected no factor to be zero");
     }
-    if (const auto path = packages_.resolve(mesh.uri, base_)) mesh.path = path->string();
+    const auto path = packages_.resolve(mesh.uri, base_);
+    if (path) {
+      mesh.path = path->string();
+    } else {
+      mesh.missing = path.error().message;
+    }
     return mesh;
   }
 
   Link read_link(const XmlElement& element) const {
     Link link;
+    link.where = element.where();
     link.name = element.required("name");
     for (const XmlElement& e : element.children("collision")) {
       link.collision.push_back(read_geometry(e));
@@ -187,6 +205,7 @@ class UrdfReader {
 
   Joint read_joint(const XmlElement& element) const {
     Joint joint;
+    joint.where = element.where();
     joint.name = element.required("name");
     joint.type = read_type(element);
     joint.parent_link = find(link_index_, element.required_child("parent"), "link");
@@ -219,7 +238,7 @@ class UrdfReader {
 }  // namespace
 
 Result<Model> load_urdf(const std::filesystem::path& file, const PackagePath& packages) {
-  const auto text = read_text(file);
+  const auto text = read_file(file);
   if (!text) return std::unexpected(text.error());
   return parse_urdf(*text, file.string(), file.parent_path(), packages);
 }
@@ -232,8 +251,10 @@ Result<Model> parse_urdf(const std::string& text, const std::string& origin,
     reader.read();
     auto model = Model::make(document.root().required("name"), std::move(reader.links),
                              std::move(reader.joints));
-    if (!model) return fail(model.error().code, origin + ": " + model.error().message);
-    return model;
+    if (model) return model;
+    const bool placed = model.error().message.starts_with(origin + ":");
+    const std::string where = placed ? "" : document.root().where() + ": ";
+    return fail(model.error().code, where + model.error().message);
   } catch (const ReadFailure& failure) {
     return std::unexpected(failure.error);
   }

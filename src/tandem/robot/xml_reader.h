@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "tandem/robot/text_reader.h"
@@ -16,15 +17,22 @@ class XMLElement;
 
 namespace tandem::robot {
 
-/// An element and the name of its file. Valid as long as its document.
+/// Where the elements of a document come from.
+struct XmlSource {
+  std::string origin;                                            ///< The file.
+  std::unordered_map<const tinyxml2::XMLElement*, int> columns;  ///< From 1, in bytes.
+};
+
+/// An element and its source. Valid as long as its document.
 class XmlElement {
  public:
-  XmlElement(const tinyxml2::XMLElement& element, const std::string& origin)
-      : element_(&element), origin_(&origin) {}
+  XmlElement(const tinyxml2::XMLElement& element, const XmlSource& source)
+      : element_(&element), source_(&source) {}
 
   std::string tag() const;
   int line() const;
-  /// Throws "FILE:LINE: joint 'NAME': <tag>: what", NAME being the nearest one above.
+  std::string where() const;  ///< "FILE:LINE:COLUMN"
+  /// Throws "FILE:LINE:COLUMN: joint 'NAME': <tag>: what", NAME being the nearest one above.
   [[noreturn]] void fail(const std::string& what, ErrorCode code = ErrorCode::kInvalidInput) const;
 
   std::optional<XmlElement> child(const char* tag) const;  ///< The first one.
@@ -43,7 +51,7 @@ class XmlElement {
   [[noreturn]] void fail_value(const char* name, const std::string& expected) const;
 
   const tinyxml2::XMLElement* element_;
-  const std::string* origin_;
+  const XmlSource* source_;
 };
 
 /// A parsed text whose root element has the tag `root`; throws ReadFailure otherwise.
@@ -54,7 +62,9 @@ class XmlDocument {
   XmlElement root() const;
 
  private:
-  std::string origin_;
+  void find_columns(const std::string& text);
+
+  XmlSource source_;
   std::unique_ptr<tinyxml2::XMLDocument> document_;
 };
 

@@ -35,6 +35,7 @@ struct RobotSpec {
   /// into their limits.
   std::map<std::string, double> fixed_positions;
   std::string where = {};
+  std::filesystem::path urdf = {}, srdf = {};  ///< For people: where it was read from.
 };
 
 struct ArmSpec {

@@ -77,7 +77,7 @@ Result<void> WorkcellBuilder::add_robot_bodies(const RobotSpec& robot) {
 
 Result<void> WorkcellBuilder::add_obstacles() {
   for (const ObstacleSpec& obstacle : cell_->spec_.obstacles) {
-    Body body{obstacle.name, 0, obstacle.shapes_W, 0.0, 0, Body::Kind::kObstacle,
+    Body body{obstacle.name,      0, obstacle.shapes_W, 0.0, 0, Body::Kind::kObstacle,
               obstacle.surfaces_W};
     if (auto done = add_body(std::move(body), obstacle.where); !done) return done;
   }
@@ -95,7 +95,8 @@ Result<void> WorkcellBuilder::add_attached() {
                         name_hint(attached.link, links) + " (links are written ROBOT/LINK)");
     }
     Body body{attached.name,        link, attached.shapes_L,
-              cell_->spec_.padding, 0,    Body::Kind::kAttached, attached.surfaces_L};
+              cell_->spec_.padding, 0,    Body::Kind::kAttached,
+              attached.surfaces_L};
     if (auto done = add_body(std::move(body), attached.where); !done) return done;
   }
   return {};
@@ -109,6 +110,11 @@ Result<void> WorkcellBuilder::add_body(Body body, const std::string& where) {
   if (body.shapes_L.empty() && body.surfaces_L.empty()) {
     return refuse(ErrorCode::kInvalidInput, where,
                   "'" + body.name + "' has no shapes and no surfaces; give it one, or remove it");
+  }
+  for (const geometry::PlacedSurface& placed : body.surfaces_L) {
+    if (placed.surface && is_rigid(placed.X_FS)) continue;
+    return refuse(ErrorCode::kInvalidInput, where,
+                  "'" + body.name + "' has a mesh or cloud without a rigid pose");
   }
   if (!body_index_.emplace(body.name, static_cast<int>(cell_->bodies_.size())).second) {
     return refuse(ErrorCode::kInvalidInput, where,
@@ -176,12 +182,14 @@ Result<void> WorkcellBuilder::skip_pairs() {
 
 /// Links without shapes are no bodies, and an SRDF may well name them.
 Result<void> WorkcellBuilder::skip_disabled(const RobotSpec& robot) {
+  std::vector<std::string> names;
+  for (const robot::Link& link : robot.model.links()) names.push_back(link.name);
   for (const robot::DisabledPair& pair : robot.semantics.disabled_pairs) {
     for (const std::string& link : {pair.link_a, pair.link_b}) {
       if (robot.model.find_link(link) >= 0) continue;
       return refuse(ErrorCode::kNotFound, robot.where,
                     "the SRDF of robot '" + robot.name + "' disables link '" + link +
-                        "', which does not exist");
+                        "', which does not exist" + name_hint(link, names));
     }
     const auto a = body_index_.find(robot.name + "/" + pair.link_a);
     const auto b = body_index_.find(robot.name + "/" + pair.link_b);
