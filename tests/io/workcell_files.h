@@ -114,7 +114,7 @@ inline std::vector<std::string> documented_yaml() {
 inline void write_robots(const TemporaryFolder& folder) {
   folder.write("robots/panda.urdf", panda_urdf());
   folder.write("robots/panda.srdf", panda_srdf());
-  folder.write("robots/panda.volumes.yaml", documented_yaml().at(2));
+  folder.write("robots/panda.volumes.yaml", documented_yaml().at(3));
   folder.write("robots/joint_limits.yaml", joint_limits_yaml());
   std::filesystem::create_directories(folder / "packages");
 }

@@ -405,7 +405,7 @@ TEST_F(DocumentedCell, TakesObstaclesFromMoveitScenes) {
   EXPECT_NE(refused("scene: can.scene\n").find("can.scene:5:5: a size is 'x'"), std::string::npos);
 }
 
-TEST_F(DocumentedCell, NeedsVolumesForItsMeshes) {
+TEST_F(DocumentedCell, NeedsItsMeshesWithoutVolumes) {
   const auto loaded = load(with(text_,
                                 "volumes: robots/panda.volumes.yaml\n    joint_limits: "
                                 "[robots/joint_limits.yaml]\n    limits",
@@ -454,42 +454,53 @@ std::string data_cell(const std::string& robot, const std::string& arms) {
   return "name: data\nrobots:\n  - {name: r, " + robot + "}\narms:\n" + arms;
 }
 
-void expect_mesh_error(const std::string& text, const std::string& link) {
+/// Every link has its meshes: as triangles, or as hulls.
+void expect_meshes(const std::string& robot, const std::string& arms, const std::string& link) {
   const TemporaryFolder folder;
-  const auto loaded =
-      load_workcell(folder.write("cell.yaml", text), {test::data_path("robots/packages")});
-  ASSERT_FALSE(loaded);
-  EXPECT_EQ(loaded.error().code, ErrorCode::kInvalidInput);
-  for (const char* said : {"cell.yaml:3:5: ", link.c_str(), "mesh", "`volumes:`"}) {
-    EXPECT_NE(loaded.error().message.find(said), std::string::npos) << loaded.error().message;
+  const std::vector<std::filesystem::path> packages = {test::data_path("robots/packages")};
+  const auto load = [&](const std::string& text) {
+    return load_workcell(folder.write("cell.yaml", text), packages);
+  };
+  const auto exact = load(data_cell(robot, arms));
+  ASSERT_TRUE(exact) << exact.error().message;
+  const auto convex = load(data_cell(robot + ", meshes: convex", arms));
+  ASSERT_TRUE(convex) << convex.error().message;
+  ASSERT_EQ((*exact)->bodies().size(), (*convex)->bodies().size());
+  for (std::size_t i = 0; i < (*exact)->bodies().size(); ++i) {
+    const world::Body &mesh = (*exact)->bodies()[i], &hull = (*convex)->bodies()[i];
+    EXPECT_TRUE(hull.surfaces_L.empty()) << hull.name;
+    EXPECT_EQ(mesh.shapes_L.size() + mesh.surfaces_L.size(), hull.shapes_L.size()) << hull.name;
+  }
+  const int index = (*exact)->find_body(link);
+  ASSERT_GE(index, 0);
+  EXPECT_FALSE((*exact)->bodies()[static_cast<std::size_t>(index)].surfaces_L.empty());
+
+  const auto lost = load_workcell(folder / "cell.yaml");
+  ASSERT_FALSE(lost);
+  EXPECT_EQ(lost.error().code, ErrorCode::kNotFound);
+  for (const char* said : {"cell.yaml:3:5: ", "mesh 'package://", "--package-path"}) {
+    EXPECT_NE(lost.error().message.find(said), std::string::npos) << lost.error().message;
   }
 }
 
-TEST(RealRobots, DualPandaNeedsVolumes) {
+TEST(RealRobots, DualPandaUsesItsMeshes) {
   TANDEM_SKIP_WITHOUT_DATA("robots/dual_panda");
   const std::string base = test::data_path("robots/dual_panda").string();
-  expect_mesh_error(data_cell("urdf: " + base + "/dual_panda.urdf, srdf: " + base +
-                                  "/panda.srdf, joint_limits: [" + base + "/joint_limits.yaml]",
-                              "  - {name: left, robot: r, group: left_panda_arm}\n"
-                              "  - {name: right, robot: r, group: right_panda_arm}\n"),
-                    "link 'left_panda_link0'");
+  expect_meshes("urdf: " + base + "/dual_panda.urdf, srdf: " + base +
+                    "/panda.srdf, joint_limits: [" + base + "/joint_limits.yaml]",
+                "  - {name: left, robot: r, group: left_panda_arm}\n"
+                "  - {name: right, robot: r, group: right_panda_arm}\n",
+                "r/left_panda_link0");
 }
 
-TEST(RealRobots, DualUr5eNeedsVolumes) {
+TEST(RealRobots, DualUr5eUsesItsMeshes) {
   TANDEM_SKIP_WITHOUT_DATA("robots/dual_ur5e");
   const std::string base = test::data_path("robots/dual_ur5e").string();
-  const auto srdf = test::read_text(base + "/dual_ur5e.srdf");
-  ASSERT_NE(srdf.find("<group name=\"left"), std::string::npos);
-  const auto group = [&](const std::string& side) {
-    const std::size_t at = srdf.find("<group name=\"" + side) + 13;
-    return srdf.substr(at, srdf.find('"', at) - at);
-  };
-  expect_mesh_error(
-      data_cell("urdf: " + base + "/dual_ur5e.urdf, srdf: " + base +
+  expect_meshes("urdf: " + base + "/dual_ur5e.urdf, srdf: " + base +
                     "/dual_ur5e.srdf, joint_limits: [" + base + "/joint_limits.yaml]",
-                "  - {name: left, robot: r, group: " + group("left") +
-                    "}\n  - {name: right, robot: r, group: " + group("right") + "}\n"),
-      "link 'left_");
+                "  - {name: left, robot: r, group: left_arm}\n"
+                "  - {name: right, robot: r, group: right_arm}\n",
+                "r/left_forearm_link");
 }
 
 TEST(RealRobots, SpherizedPandaNeedsNoVolumes) {

@@ -147,8 +147,8 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, Cells,
                                            Scenario{"bins/workcell.yaml", ""},
                                            Scenario{"handover/workcell.yaml", ""},
                                            Scenario{"handover/baxter.yaml", "robots/baxter_mbm"}),
-                         [](const auto& info) {
-                           std::string name = info.param.file;
+                         [](const auto& scenario) {
+                           std::string name = scenario.param.file;
                            name = name.substr(0, name.size() - 5);
                            std::ranges::replace(name, '/', '_');
                            return name;

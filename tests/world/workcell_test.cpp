@@ -361,7 +361,7 @@ const std::vector<Fault> kFaults = {
        s.robots[0].semantics.groups[0] = {"arm", {0}, 1};
        s.robots[0].semantics.disabled_pairs.clear();
      },
-     kInvalid,
+     kAbsent,
      {"link 'a1'", "robot 'left'", "package://p/a1.stl", "volumes:"}},
     {"volumes name",
      [](S& s) { s.robots[0].volumes["a4"] = {ball()}; },

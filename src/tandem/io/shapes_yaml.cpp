@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "tandem/geometry/mesh_file.h"
+
 namespace tandem::io {
 
 namespace {
@@ -10,8 +12,17 @@ namespace {
 using geometry::Shape;
 
 const std::vector<std::string>& shape_keys() {
-  static const std::vector<std::string> keys{"sphere",   "capsule",          "box",
-                                             "cylinder", "rounded_triangle", "rounded_rectangle"};
+  static const std::vector<std::string> keys{
+      "sphere", "capsule", "box", "cylinder", "convex", "rounded_triangle", "rounded_rectangle"};
+  return keys;
+}
+
+const std::vector<std::string>& piece_keys() {
+  static const std::vector<std::string> keys = [] {
+    std::vector<std::string> all = shape_keys();
+    all.insert(all.end(), {"mesh", "cloud"});
+    return all;
+  }();
   return keys;
 }
 
@@ -69,7 +80,62 @@ Shape read_cylinder(const YamlNode& map) {
                                    map.at("length").positive(), rounding(map)));
 }
 
-Shape read_shape(const std::string& kind, const YamlNode& map) {
+/// One factor or three; a negative one mirrors.
+Eigen::Vector3d read_scale(const YamlNode& map) {
+  const YamlNode* node = map.find("scale");
+  if (!node) return Eigen::Vector3d::Ones();
+  const bool one = node->kind() == YamlNode::Kind::kScalar;
+  const Eigen::Vector3d scale =
+      one ? Eigen::Vector3d::Constant(node->number()) : Eigen::Vector3d(node->numbers(3));
+  if ((scale.array() == 0).any()) node->refuse("scale: no factor may be 0");
+  return scale;
+}
+
+double read_radius(const YamlNode& map) {
+  const YamlNode* node = map.find("radius");
+  return node ? node->not_negative() : 0.0;
+}
+
+std::vector<Eigen::Vector3d> read_points(const YamlNode& list) {
+  std::vector<Eigen::Vector3d> points;
+  for (const YamlNode& item : list.items()) points.emplace_back(item.numbers(3));
+  return points;
+}
+
+Shape read_convex(const YamlNode& map, const NamedPaths& paths) {
+  map.only(with_pose({"file", "points", "scale", "radius"}));
+  std::vector<Eigen::Vector3d> points_C;
+  const Eigen::Vector3d scale = read_scale(map);
+  if (map.one_of({"file", "points"}) == "file") {
+    const YamlNode& file = map.at("file");
+    points_C = file.check(geometry::read_mesh(paths.file(file), scale)).vertices;
+  } else {
+    points_C = read_points(map.at("points"));
+    for (Eigen::Vector3d& point : points_C) point = point.cwiseProduct(scale);
+  }
+  return map.check(Shape::convex(points_C, read_radius(map))).in(read_pose_in(map));
+}
+
+geometry::PlacedSurface read_mesh(const YamlNode& map, const NamedPaths& paths) {
+  map.only(with_pose({"file", "scale", "radius"}));
+  const YamlNode& file = map.at("file");
+  geometry::TriangleMesh mesh = file.check(geometry::read_mesh(paths.file(file), read_scale(map)));
+  return {map.check(geometry::Surface::mesh(std::move(mesh.vertices), std::move(mesh.triangles),
+                                            read_radius(map))),
+          read_pose_in(map)};
+}
+
+geometry::PlacedSurface read_cloud(const YamlNode& map, const NamedPaths& paths) {
+  map.only(with_pose({"file", "radius"}));
+  const YamlNode& file = map.at("file");
+  const double radius = map.at("radius").positive();
+  return {map.check(
+              geometry::Surface::cloud(file.check(geometry::read_cloud(paths.file(file))), radius)),
+          read_pose_in(map)};
+}
+
+Shape read_shape(const std::string& kind, const YamlNode& map, const NamedPaths& paths) {
+  if (kind == "convex") return read_convex(map, paths);
   if (kind == "sphere") return read_sphere(map);
   if (kind == "capsule") return read_capsule(map);
   if (kind == "rounded_triangle") return read_triangle(map);
@@ -123,7 +189,7 @@ Eigen::Isometry3d read_pose(const YamlNode& map) {
 
 const std::vector<std::string>& geometry_keys() {
   static const std::vector<std::string> keys = [] {
-    std::vector<std::string> all = shape_keys();
+    std::vector<std::string> all = piece_keys();
     all.insert(all.end(), {"shapes", "pose"});
     return all;
   }();
@@ -135,24 +201,53 @@ void Pieces::move(const Eigen::Isometry3d& X) {
   for (geometry::PlacedSurface& placed : surfaces) placed.X_FS = X * placed.X_FS;
 }
 
-std::vector<Shape> read_shapes(const YamlNode& list) {
+std::vector<Shape> read_shapes(const YamlNode& list, const NamedPaths& paths) {
   std::vector<Shape> shapes;
   for (const YamlNode& item : list.items()) {
+    for (const char* surface : {"mesh", "cloud"}) {
+      if (!item.find(surface)) continue;
+      item.refuse_key(surface, std::string("a ") + surface +
+                                   " is no volume; use its hull, `convex: {file: ...}`, or fit "
+                                   "volumes to it");
+    }
     item.only(shape_keys());
     const std::string& kind = item.one_of(shape_keys());
-    shapes.push_back(read_shape(kind, item.at(kind)));
+    shapes.push_back(read_shape(kind, item.at(kind), paths));
   }
   return shapes;
 }
 
-Pieces read_geometry(const YamlNode& map) {
-  std::vector<std::string> choices = shape_keys();
+namespace {
+
+/// Appends the piece of a map that has exactly one.
+void read_piece(const YamlNode& map, const std::string& kind, const NamedPaths& paths,
+                Pieces& pieces) {
+  if (kind == "mesh") {
+    pieces.surfaces.push_back(read_mesh(map.at(kind), paths));
+  } else if (kind == "cloud") {
+    pieces.surfaces.push_back(read_cloud(map.at(kind), paths));
+  } else {
+    pieces.shapes.push_back(read_shape(kind, map.at(kind), paths));
+  }
+}
+
+}  // namespace
+
+Pieces read_geometry(const YamlNode& map, const NamedPaths& paths) {
+  std::vector<std::string> choices = piece_keys();
   choices.push_back("shapes");
   const std::string& kind = map.one_of(choices);
   Pieces pieces;
-  pieces.shapes = kind == "shapes" ? read_shapes(map.at(kind))
-                                   : std::vector<Shape>{read_shape(kind, map.at(kind))};
-  if (pieces.shapes.empty()) map.at(kind).refuse("shapes must not be empty; give at least one");
+  if (kind != "shapes") {
+    read_piece(map, kind, paths, pieces);
+  } else {
+    const YamlNode& list = map.at(kind);
+    if (list.items().empty()) list.refuse("shapes must not be empty; give at least one");
+    for (const YamlNode& item : list.items()) {
+      item.only(piece_keys());
+      read_piece(item, item.one_of(piece_keys()), paths, pieces);
+    }
+  }
   if (const YamlNode* pose = map.find("pose")) pieces.move(read_pose(*pose));
   return pieces;
 }

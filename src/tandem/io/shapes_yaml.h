@@ -7,6 +7,7 @@
 
 #include "tandem/geometry/shape.h"
 #include "tandem/geometry/surface.h"
+#include "tandem/io/named_path.h"
 #include "tandem/io/yaml_node.h"
 
 namespace tandem::io {
@@ -25,12 +26,12 @@ struct Pieces {
   void move(const Eigen::Isometry3d& X);
 };
 
-/// Keys of a map that holds geometry: each kind of shape, `shapes`, `pose`.
+/// Keys of a map that holds geometry: each kind of shape and surface, `shapes`, `pose`.
 const std::vector<std::string>& geometry_keys();
 /// The piece or `shapes` in the geometry keys of a map, moved by its `pose`; the map may have other
 /// keys.
-Pieces read_geometry(const YamlNode& map);
-/// A list of maps of one shape each.
-std::vector<geometry::Shape> read_shapes(const YamlNode& list);
+Pieces read_geometry(const YamlNode& map, const NamedPaths& paths);
+/// A list of maps of one shape each; surfaces are refused.
+std::vector<geometry::Shape> read_shapes(const YamlNode& list, const NamedPaths& paths);
 
 }  // namespace tandem::io

@@ -7,6 +7,7 @@ namespace tandem::io {
 Result<std::map<std::string, std::vector<geometry::Shape>>> load_volumes(
     const std::filesystem::path& file, const robot::Model& model) {
   return read_yaml(file, [&](const YamlNode& root) {
+    const NamedPaths paths(file.parent_path(), robot::PackagePath::with_environment());
     root.only({"links"});
     std::vector<std::string> known;
     for (const robot::Link& link : model.links()) known.push_back(link.name);
@@ -18,7 +19,7 @@ Result<std::map<std::string, std::vector<geometry::Shape>>> load_volumes(
             "robot '" + model.name() + "' has no link '" + link + "'" + name_hint(link, known),
             ErrorCode::kNotFound);
       }
-      volumes[link] = read_shapes(*shapes);
+      volumes[link] = read_shapes(*shapes, paths);
     }
     return volumes;
   });

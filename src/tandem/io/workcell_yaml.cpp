@@ -91,8 +91,16 @@ void read_limits(const YamlNode& map, robot::Model& model) {
   }
 }
 
+world::RobotSpec::Meshes read_meshes(const YamlNode& node) {
+  const std::string kind = node.text();
+  if (kind == "triangles") return world::RobotSpec::Meshes::kTriangles;
+  if (kind == "convex") return world::RobotSpec::Meshes::kConvex;
+  node.refuse("meshes is '" + kind + "'" + name_hint(kind, {"triangles", "convex"}));
+}
+
 world::RobotSpec Reader::read_robot(const YamlNode& map) const {
-  map.only({"name", "urdf", "srdf", "volumes", "joint_limits", "limits", "base", "joints"});
+  map.only(
+      {"name", "urdf", "srdf", "volumes", "meshes", "joint_limits", "limits", "base", "joints"});
   world::RobotSpec robot;
   robot.where = map.where();
   robot.name = map.at("name").text();
@@ -110,6 +118,7 @@ world::RobotSpec Reader::read_robot(const YamlNode& map) const {
   if (const YamlNode* volumes = map.find("volumes")) {
     robot.volumes = take(load_volumes(paths.file(*volumes), robot.model));
   }
+  if (const YamlNode* meshes = map.find("meshes")) robot.meshes = read_meshes(*meshes);
   if (const YamlNode* base = map.find("base")) robot.X_WB = read_pose(*base);
   if (const YamlNode* joints = map.find("joints")) {
     for (const auto& [name, value] : joints->entries()) {
@@ -138,7 +147,7 @@ world::ObstacleSpec Reader::read_obstacle(const YamlNode& map) const {
   keys.push_back("name");
   map.only(keys);
   const std::string name = map.at("name").text();
-  Pieces pieces = read_geometry(map);
+  Pieces pieces = read_geometry(map, paths());
   world::ObstacleSpec obstacle{name, std::move(pieces.shapes), map.where(),
                                std::move(pieces.surfaces)};
   if (const YamlNode* pose = map.find("pose")) obstacle.X_WO = read_pose(*pose);
@@ -152,7 +161,7 @@ world::AttachedSpec Reader::read_attached(const YamlNode& map) const {
   world::AttachedSpec attached;
   attached.where = map.where();
   attached.name = map.at("name").text();
-  Pieces pieces = read_geometry(map);
+  Pieces pieces = read_geometry(map, paths());
   if (const YamlNode* pose = map.find("pose")) attached.X_LO = read_pose(*pose);
   for (const YamlNode* name : items_of(map, "touching")) attached.touching.push_back(name->text());
   if (map.one_of({"arm", "link"}) == "link") {

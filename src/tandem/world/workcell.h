@@ -24,17 +24,24 @@ namespace tandem::world {
 /// `where` of every spec is its place in a file ("cell.yaml:4:5"), put before messages about it;
 /// empty if built in memory.
 struct RobotSpec {
+  /// What becomes of the collision meshes of links without volumes.
+  enum class Meshes {
+    kTriangles,  ///< The mesh itself.
+    kConvex,     ///< Its hull: contains the mesh, and is faster.
+  };
+
   std::string name;
   robot::Model model;
   robot::Semantics semantics;
   Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();  ///< Pose of the model's root link.
-  /// Swept sphere volumes by link name, in L. A link without an entry gets its URDF primitives
-  /// (spheres, boxes, cylinders); a mesh without an entry is an error.
+  /// Swept sphere volumes by link name, in L. A link without an entry gets its URDF geometry:
+  /// spheres, boxes and cylinders as shapes, meshes as `meshes` says.
   std::map<std::string, std::vector<geometry::Shape>> volumes;
   /// Values of joints that no arm moves, by joint name [rad or m]; others stand at 0, clamped
   /// into their limits.
   std::map<std::string, double> fixed_positions;
   std::string where = {};
+  Meshes meshes = Meshes::kTriangles;
   std::filesystem::path urdf = {}, srdf = {};  ///< For people: where it was read from.
 };
 
@@ -184,8 +191,8 @@ class Workcell {
   /// Merges, resolves and checks a spec.
   /// @return kInvalidInput or kNotFound naming the entry, its value and the remedy: names that do
   /// not exist (with the nearest one that does) or exist twice, arms that share joints, arm joints
-  /// without position, velocity or acceleration limit, link meshes without volumes, joint goals of
-  /// the wrong size, queries that attach what is carried or detach what is not.
+  /// without position, velocity or acceleration limit, link meshes that cannot be read, joint goals
+  /// of the wrong size, queries that attach what is carried or detach what is not.
   static Result<std::shared_ptr<const Workcell>> make(WorkcellSpec spec);
 
   /// Where the objects of this cell are, as far as it is not where the file has them.

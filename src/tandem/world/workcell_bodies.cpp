@@ -10,37 +10,6 @@ namespace {
 
 std::pair<int, int> ordered(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// A URDF primitive as a shape; `mesh` is what to say about a mesh.
-struct ToShape {
-  const Eigen::Isometry3d& X_LG;
-
-  Result<geometry::Shape> operator()(const robot::SphereGeometry& sphere) const {
-    return geometry::Shape::sphere(X_LG.translation(), sphere.radius);
-  }
-  Result<geometry::Shape> operator()(const robot::BoxGeometry& box) const {
-    return geometry::Shape::box(X_LG, box.size);
-  }
-  Result<geometry::Shape> operator()(const robot::CylinderGeometry& cylinder) const {
-    return geometry::Shape::cylinder(X_LG, cylinder.radius, cylinder.length);
-  }
-  Result<geometry::Shape> operator()(const robot::MeshGeometry& mesh) const {
-    return fail(ErrorCode::kInvalidInput,
-                "its collision geometry is the mesh '" + mesh.uri +
-                    "' and it has no swept sphere volumes; give the robot a `volumes:` file with "
-                    "an entry for this link");
-  }
-};
-
-Result<std::vector<geometry::Shape>> primitives(const robot::Link& link) {
-  std::vector<geometry::Shape> shapes_L;
-  for (const robot::Geometry& piece : link.collision) {
-    Result<geometry::Shape> shape = std::visit(ToShape{piece.X_LG}, piece.shape);
-    if (!shape) return std::unexpected(shape.error());
-    shapes_L.push_back(std::move(*shape));
-  }
-  return shapes_L;
-}
-
 }  // namespace
 
 Result<void> WorkcellBuilder::add_robot_bodies(const RobotSpec& robot) {
@@ -55,21 +24,23 @@ Result<void> WorkcellBuilder::add_robot_bodies(const RobotSpec& robot) {
   for (const robot::Link& link : robot.model.links()) {
     const auto volumes = robot.volumes.find(link.name);
     const std::string who = "link '" + link.name + "' of robot '" + robot.name + "': ";
-    Result<std::vector<geometry::Shape>> shapes_L =
-        volumes == robot.volumes.end() ? primitives(link) : volumes->second;
-    if (!shapes_L) {
-      return refuse(shapes_L.error().code, robot.where, who + shapes_L.error().message);
+    Result<LinkGeometry> geometry_L = volumes == robot.volumes.end()
+                                          ? link_geometry_.of_urdf(link, robot.meshes)
+                                          : LinkGeometry{volumes->second, {}};
+    if (!geometry_L) {
+      return refuse(geometry_L.error().code, robot.where, who + geometry_L.error().message);
     }
-    if (shapes_L->empty() && !link.collision.empty()) {
+    if (geometry_L->empty() && !link.collision.empty()) {
       return refuse(ErrorCode::kInvalidInput, robot.where,
                     who +
                         "it has collision geometry but its list of volumes is empty; give it "
                         "volumes, or remove the entry if its geometry needs none");
     }
-    if (shapes_L->empty()) continue;
+    if (geometry_L->empty()) continue;
     const std::string name = robot.name + "/" + link.name;
-    const int index = cell_->model_.find_link(name);
-    Body body{name, index, std::move(*shapes_L), cell_->spec_.padding, 0, Body::Kind::kRobotLink};
+    Body body{
+        name, cell_->model_.find_link(name), std::move(geometry_L->shapes),  cell_->spec_.padding,
+        0,    Body::Kind::kRobotLink,        std::move(geometry_L->surfaces)};
     if (auto done = add_body(std::move(body), robot.where); !done) return done;
   }
   return {};

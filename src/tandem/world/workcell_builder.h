@@ -3,6 +3,7 @@
 
 #include <unordered_map>
 
+#include "tandem/world/link_geometry.h"
 #include "tandem/world/workcell.h"
 
 namespace tandem::world {
@@ -67,6 +68,7 @@ class WorkcellBuilder {
   std::vector<int> owner_;  // By joint, mimics excluded.
   std::unordered_map<std::string, int> body_index_;
   std::map<std::pair<int, int>, std::string> skipped_;  // Body indices, a < b.
+  LinkGeometryReader link_geometry_;
 };
 
 /// The error of an entry of the spec, with its place in the file.
