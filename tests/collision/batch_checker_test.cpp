@@ -107,6 +107,118 @@ TEST(BatchChecker, EveryPairAlone) {
   }
 }
 
+/// From clear to touching, by bisection: distances of micrometres on either side, where single
+/// precision alone would guess.
+TEST(BatchChecker, NearContactsAreDecidedExactly) {
+  std::uint64_t seed = 80;
+  int compared = 0;
+  for (const test::RandomCellOptions& options : kinds_of_cells()) {
+    const SsvChecker exact(test::random_cell(++seed, options));
+    const BatchChecker batch(exact);
+    const auto scratch = batch.make_scratch();
+    const auto exact_scratch = exact.make_scratch();
+    const PairSelection all = exact.cell().select(PairScope::all());
+    const auto pairs = batch.compile(all);
+    const auto is_free = [&](const VectorXd& q) { return exact.is_free(q, all, *exact_scratch); };
+    Rng rng(seed);
+    for (int round = 0; round < 200; ++round) {
+      VectorXd clear = test::random_configuration(rng, exact.cell());
+      VectorXd touching = test::random_configuration(rng, exact.cell());
+      if (!is_free(clear)) std::swap(clear, touching);
+      if (!is_free(clear) || is_free(touching)) continue;
+      for (int k = 0; k < 34; ++k) {
+        const VectorXd middle = 0.5 * (clear + touching);
+        const bool expected = is_free(middle);
+        ASSERT_EQ(batch.are_free(middle, *pairs, *scratch), expected)
+            << describe(exact.cell(), exact.least_clearance(middle, all, *exact_scratch));
+        (expected ? clear : touching) = middle;
+        ++compared;
+      }
+    }
+  }
+  EXPECT_GT(compared, 5000);
+}
+
+TEST(BatchChecker, TurnsOfEndlessJointsDoNotMatter) {
+  const SsvChecker exact(test::random_cell(3, {.prismatic = false}));
+  const BatchChecker batch(exact);
+  const auto scratch = batch.make_scratch();
+  const auto exact_scratch = exact.make_scratch();
+  const PairSelection all = exact.cell().select(PairScope::all());
+  const auto pairs = batch.compile(all);
+  Rng rng(3);
+  for (int round = 0; round < 300; ++round) {
+    VectorXd q = test::random_configuration(rng, exact.cell());
+    q[static_cast<Eigen::Index>(rng.index(static_cast<std::size_t>(q.size())))] += 2000;
+    EXPECT_EQ(batch.are_free(q, *pairs, *scratch), exact.is_free(q, all, *exact_scratch));
+    const VectorXd far = q + 40 * test::random_configuration(rng, exact.cell());
+    if (!batch.is_edge_free(q, far, *pairs, *scratch)) continue;
+    for (int k = 0; k < 100; ++k) {
+      const VectorXd between = q + k / 100.0 * (far - q);
+      EXPECT_TRUE(exact.is_free(between, all, *exact_scratch));
+    }
+  }
+}
+
+TEST(BatchChecker, ThreadsShareOneChecker) {
+  const SsvChecker exact(test::random_cell(3));
+  const BatchChecker batch(exact);
+  const auto pairs = batch.compile(PairScope::all());
+  const auto verdicts = [&] {
+    const auto scratch = batch.make_scratch();
+    Rng rng(5);
+    std::vector<bool> found;
+    for (int i = 0; i < 500; ++i) {
+      const VectorXd a = test::random_configuration(rng, exact.cell());
+      const VectorXd b = test::random_configuration(rng, exact.cell());
+      found.push_back(batch.are_free(a, *pairs, *scratch));
+      found.push_back(batch.is_edge_free(a, 0.9 * a + 0.1 * b, *pairs, *scratch));
+    }
+    return found;
+  };
+  const std::vector<bool> expected = verdicts();
+  std::vector<bool> other[2];
+  {
+    std::jthread one([&] { other[0] = verdicts(); });
+    std::jthread two([&] { other[1] = verdicts(); });
+  }
+  EXPECT_EQ(other[0], expected);
+  EXPECT_EQ(other[1], expected);
+}
+
+TEST(BatchChecker, NothingSelectedIsFree) {
+  const SsvChecker exact(test::random_cell(1));
+  const BatchChecker batch(exact);
+  const auto scratch = batch.make_scratch();
+  const auto pairs = batch.compile(PairSelection{});
+  const VectorXd q = VectorXd::Zero(exact.cell().dof());
+  EXPECT_TRUE(batch.are_free(q, *pairs, *scratch));
+  EXPECT_TRUE(batch.are_free(MatrixXd(q.size(), 0), *pairs, *scratch));
+  const EdgeProof proof = batch.prove_edge(q, q, *pairs, *scratch);
+  EXPECT_TRUE(proof.is_free);
+  EXPECT_FLOAT_EQ(static_cast<float>(proof.least_clearance),
+                  static_cast<float>(BatchChecker::kClearanceCap));
+}
+
+TEST(BatchChecker, RefusesWhatIsNotItsOwn) {
+  const SsvChecker exact(test::random_cell(1)), other_exact(test::random_cell(2));
+  const BatchChecker batch(exact), other(other_exact);
+  const auto scratch = batch.make_scratch(), foreign = other.make_scratch();
+  const auto pairs = batch.compile(PairScope::all());
+  const VectorXd q = VectorXd::Zero(exact.cell().dof());
+  const VectorXd longer = VectorXd::Zero(q.size() + 1);
+  const VectorXd nan = VectorXd::Constant(q.size(), std::nan(""));
+  EXPECT_THROW(batch.are_free(longer, *pairs, *scratch), ContractViolation);
+  EXPECT_THROW(batch.are_free(nan, *pairs, *scratch), ContractViolation);
+  EXPECT_THROW(batch.are_free(q, *pairs, *foreign), ContractViolation);
+  EXPECT_THROW(batch.are_free(q, *other.compile(PairScope::all()), *scratch), ContractViolation);
+  EXPECT_THROW(batch.is_edge_free(q, longer, *pairs, *scratch), ContractViolation);
+  EXPECT_THROW(batch.is_edge_free(q, nan, *pairs, *scratch), ContractViolation);
+  EXPECT_THROW(batch.compile(PairSelection{-1}), ContractViolation);
+  EXPECT_THROW(batch.compile(PairSelection{static_cast<int>(exact.cell().pairs().size())}),
+               ContractViolation);
+}
+
 TEST(BatchChecker, AcceptedEdgesAreFreeAtDenseSamples) {
   for_each_target([] {
     int accepted = 0, rejected = 0, missed = 0;

@@ -104,10 +104,8 @@ class BlockChecker {
   HWY_INLINE bool TouchesShape(int a, int b, int pair, unsigned& resolved) {
     const BatchShape& shape_a = gaps_.ShapeAt(a);
     const float outer = shape_a.outer + gaps_.ShapeAt(b).outer;
-    if (shape_a.core != BatchCore::kPoint &&
-        Apart(gaps_.PointTo(gaps_.Center(a), b), outer + shape_a.circumradius)) {
-      return false;
-    }
+    // Of points this is the distance itself.
+    if (Apart(gaps_.PointTo(gaps_.Center(a), b), outer + shape_a.circumradius)) return false;
     const Gap gap = gaps_.Between(a, b);
     const Mask near = hn::Le(gap.squared, Fill(outer * outer));
     if (None(near)) return false;
@@ -152,7 +150,8 @@ bool IsBlockFree(const BatchPairs& pairs, BatchChecker::Scratch& work) {
     LaneRow& row = work.values[static_cast<std::size_t>(j)];
     for (int lane = 0; lane < kLanes; ++lane) {
       const double q = work.Q[std::min(lane, work.count - 1) * work.stride + joint.column];
-      row.lane[lane] = static_cast<float>(joint.multiplier * q + joint.offset);
+      row.lane[lane] =
+          static_cast<float>(without_turns(joint, joint.multiplier * q + joint.offset));
     }
   }
   return IsPlacedBlockFree(pairs, work);

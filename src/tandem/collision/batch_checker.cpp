@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <numeric>
 
 #include "tandem/collision/batch_work.h"
 #include "tandem/collision/certificate.h"
@@ -13,6 +13,9 @@ namespace tandem::collision {
 namespace {
 
 constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+/// Half the longest edge that single precision is up to [rad or m]; longer ones are rare.
+constexpr double kLongestHalf = 4.0;
 
 /// The axes of a standing shape or the half vector of a segment, the same in every lane.
 void place_standing(const BatchShape& shape, LaneRow* rows) {
@@ -122,12 +125,22 @@ EdgeProof BatchChecker::examine(const Eigen::Ref<const Eigen::VectorXd>& a,
   work.edge_a = forward ? a : b;
   work.edge_b = forward ? b : a;
   work.Q = nullptr;
+  bool is_long = false;
   for (const int j : pairs.joints) {
     const BatchJoint& joint = model_->joints[index(j)];
     const double at_a = joint.multiplier * work.edge_a[joint.column] + joint.offset;
     const double at_b = joint.multiplier * work.edge_b[joint.column] + joint.offset;
-    work.value_middle[index(j)] = 0.5 * (at_a + at_b);
+    work.value_middle[index(j)] = without_turns(joint, 0.5 * (at_a + at_b));
     work.value_half[index(j)] = 0.5 * (at_b - at_a);
+    is_long = is_long || std::abs(work.value_half[index(j)]) > kLongestHalf;
+  }
+  if (is_long) {
+    work.pending.resize(pairs.items.size());
+    std::iota(work.pending.begin(), work.pending.end(), 0);
+    work.parts = {{0.0}};
+    work.half_length = 1;
+    work.least_clearance = static_cast<float>(kClearanceCap);
+    return prove_exactly(pairs, work, stop);
   }
   switch (examine_edge(pairs, want_clearance, work)) {
     case EdgeFinding::kNotFree:

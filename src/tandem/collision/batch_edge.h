@@ -179,74 +179,102 @@ class EdgeProver {
     V travel = Fill(static_cast<float>(work_.half_length) * travels_.OfItem(item));
     Mask open = Within(hn::Eq(travel, travel), squared, item.reach, travel);
     if (None(open)) return open;
-    travel = travels_.OfPoint(placement.GroupCenter(item.group_a), item.group_a, item.common);
-    if (item.group_b >= 0) {
-      travel = hn::Add(
-          travel, travels_.OfPoint(placement.GroupCenter(item.group_b), item.group_b, item.common));
-    }
-    open = Within(open, squared, item.reach, travel);
+    const V travel_a =
+        travels_.OfPoint(placement.GroupCenter(item.group_a), item.group_a, item.common);
+    const V travel_b = item.group_b < 0 ? hn::Zero(kFloats)
+                                        : travels_.OfPoint(placement.GroupCenter(item.group_b),
+                                                           item.group_b, item.common);
+    open = Within(open, squared, item.reach, hn::Add(travel_a, travel_b));
     Mask unproven = hn::MaskFromVec(hn::Zero(kFloats));
-    if (None(open)) return unproven;
     for (int i = item.first; i < item.first + item.count && !touches_; ++i) {
       const BatchBodyPair& pair = pairs_.body_pairs[static_cast<std::size_t>(i)];
-      unproven = hn::Or(unproven, item.group_b < 0 ? UnprovenStanding(pair, open)
-                                                   : UnprovenMoving(pair, item.common, open));
+      // A lane that is left to its parts anyway is not looked at further.
+      const Mask among = hn::AndNot(unproven, open);
+      if (None(among)) break;
+      unproven = hn::Or(unproven, item.group_b < 0 ? UnprovenStanding(pair, among, travel_a)
+                                                   : UnprovenMoving(pair, item.common, among,
+                                                                    travel_a, travel_b));
     }
     return unproven;
   }
 
   const BatchBody& BodyAt(int body) const { return model_.bodies[static_cast<std::size_t>(body)]; }
 
-  Mask UnprovenStanding(const BatchBodyPair& pair, Mask among) {
+  /// Travel of a body's centre; that of its group's where they are the same.
+  HWY_INLINE V BodyTravel(const BatchBody& body, const V3& center, int common, V of_group) {
+    if (model_.group_sizes[static_cast<std::size_t>(body.joint)] == 1) return of_group;
+    return travels_.OfPoint(center, body.joint, common);
+  }
+  /// A quick bound for all points of a shape's core, from that of its body's centre.
+  HWY_INLINE V QuickTravel(const BatchShape& shape, int common, V of_body) {
+    return hn::Add(of_body, Fill(travels_.TurnOf(shape.joint, common) * shape.span));
+  }
+
+  Mask UnprovenStanding(const BatchBodyPair& pair, Mask among, V of_group) {
+    Gaps& gaps = checker_.gaps();
     const BatchBody& body = BodyAt(pair.a);
     const V3 center = checker_.placement().BodyCenter(pair.a);
-    const V travel = travels_.OfPoint(center, body.joint, -1);
+    const V travel = BodyTravel(body, center, -1, of_group);
     Mask unproven = hn::MaskFromVec(hn::Zero(kFloats));
     for (int i = pair.first_shape; i < pair.first_shape + pair.shape_count; ++i) {
       const int other = pairs_.standing_shapes[static_cast<std::size_t>(i)];
-      const Mask open = Within(among, checker_.gaps().PointTo(center, other),
-                               body.sphere.radius + checker_.gaps().ShapeAt(other).outer, travel);
-      if (None(open)) continue;
+      Mask open = Within(hn::AndNot(unproven, among), gaps.PointTo(center, other),
+                         body.sphere.radius + gaps.ShapeAt(other).outer, travel);
       for (int s = body.first_shape; s < body.first_shape + body.shape_count; ++s) {
-        unproven = hn::Or(unproven, UnprovenShape(s, other, -1, open));
+        if (None(open)) break;
+        const V quick = QuickTravel(gaps.ShapeAt(s), -1, travel);
+        unproven = hn::Or(unproven, UnprovenShape(s, other, -1, open, quick));
         if (touches_) return unproven;
+        open = hn::AndNot(unproven, open);
       }
     }
     return unproven;
   }
 
-  Mask UnprovenMoving(const BatchBodyPair& pair, int common, Mask among) {
+  Mask UnprovenMoving(const BatchBodyPair& pair, int common, Mask among, V of_group_a,
+                      V of_group_b) {
+    Gaps& gaps = checker_.gaps();
     const BatchBody& a = BodyAt(pair.a);
     const BatchBody& b = BodyAt(pair.b);
     const V3 center_a = checker_.placement().BodyCenter(pair.a);
     const V3 center_b = checker_.placement().BodyCenter(pair.b);
-    const V travel = hn::Add(travels_.OfPoint(center_a, a.joint, common),
-                             travels_.OfPoint(center_b, b.joint, common));
+    const V travel_a = BodyTravel(a, center_a, common, of_group_a);
+    const V travel_b = BodyTravel(b, center_b, common, of_group_b);
     const V3 r = center_a - center_b;
     Mask unproven = hn::MaskFromVec(hn::Zero(kFloats));
-    const Mask open = Within(among, Dot(r, r), a.sphere.radius + b.sphere.radius, travel);
-    if (None(open)) return unproven;
+    among =
+        Within(among, Dot(r, r), a.sphere.radius + b.sphere.radius, hn::Add(travel_a, travel_b));
+    if (None(among)) return unproven;
     for (int s = a.first_shape; s < a.first_shape + a.shape_count; ++s) {
+      const BatchShape& shape = gaps.ShapeAt(s);
+      const V quick_a = QuickTravel(shape, common, travel_a);
+      Mask open = Within(hn::AndNot(unproven, among), gaps.PointTo(center_b, s),
+                         shape.outer + b.sphere.radius, hn::Add(quick_a, travel_b));
       for (int t = b.first_shape; t < b.first_shape + b.shape_count; ++t) {
-        unproven = hn::Or(unproven, UnprovenShape(s, t, common, open));
+        if (None(open)) break;
+        const V quick = hn::Add(quick_a, QuickTravel(gaps.ShapeAt(t), common, travel_b));
+        unproven = hn::Or(unproven, UnprovenShape(s, t, common, open, quick));
         if (touches_) return unproven;
+        open = hn::AndNot(unproven, open);
       }
     }
     return unproven;
   }
 
-  HWY_NOINLINE Mask UnprovenShape(int s, int t, int common, Mask among) {
+  /// @param quick  bound of what both travel; the tighter one costs more.
+  Mask UnprovenShape(int s, int t, int common, Mask among, V quick) {
     Gaps& gaps = checker_.gaps();
     const BatchShape& a = gaps.ShapeAt(s);
     const float outer = a.outer + gaps.ShapeAt(t).outer;
-    const V travel = hn::Add(travels_.OfShape(s, common), travels_.OfShape(t, common));
-    if (a.core != BatchCore::kPoint) {
-      among = Within(among, gaps.PointTo(gaps.Center(s), t), outer + a.circumradius, travel);
-      if (None(among)) return among;
-    }
+    among = Within(among, gaps.PointTo(gaps.Center(s), t), outer + a.circumradius, quick);
+    if (None(among)) return among;
     const Gap gap = gaps.Between(s, t);
     if (!None(hn::And(among, hn::Lt(gap.squared, Fill(gap.touch_below))))) touches_ = true;
-    return Within(among, hn::Max(gap.squared, hn::Zero(kFloats)), outer, travel);
+    const V squared = hn::Max(gap.squared, hn::Zero(kFloats));
+    among = Within(among, squared, outer, quick);
+    if (None(among)) return among;
+    return Within(among, squared, outer,
+                  hn::Add(travels_.OfShape(s, common), travels_.OfShape(t, common)));
   }
 
   const BatchPairs& pairs_;

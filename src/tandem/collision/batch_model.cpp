@@ -371,6 +371,7 @@ BatchModel::BatchModel(const world::Workcell& cell) : dof(cell.dof()) {
       add_balls(shapes[static_cast<std::size_t>(s)], balls);
     }
     body.sphere = to_sphere(enclosing_ball(balls));
+    measure_spans(body);
     if (body.joint < 0) {
       bound_standing(*this, body);
       continue;
@@ -383,6 +384,17 @@ BatchModel::BatchModel(const world::Workcell& cell) : dof(cell.dof()) {
     groups.push_back(balls.empty() ? BatchSphere{{}, -1.0F} : to_sphere(enclosing_ball(balls)));
   }
   bound_levers(*this);
+}
+
+void BatchModel::measure_spans(const BatchBody& body) {
+  for (int s = body.first_shape; s < body.first_shape + body.shape_count; ++s) {
+    BatchShape& shape = shapes[static_cast<std::size_t>(s)];
+    double squared = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      squared += std::pow(static_cast<double>(shape.p_JC[i]) - body.sphere.p_JC[i], 2);
+    }
+    shape.span = round_up(1.00001 * std::sqrt(squared) + shape.circumradius);
+  }
 }
 
 int BatchModel::common_joint(int a, int b) const {

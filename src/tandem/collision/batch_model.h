@@ -49,6 +49,7 @@ struct BatchShape {
   Vector3f3 half;             ///< [m]
   float outer, inner;         ///< Radius plus and minus the margin [m].
   float circumradius;         ///< Of the core's box about its centre [m].
+  float span;                 ///< Most distance of the core from its body's centre [m].
   float bound() const { return circumradius + outer; }
 };
 
@@ -77,6 +78,8 @@ struct BatchModel {
   Eigen::Isometry3d X_CW;
 
   BatchModel(const world::Workcell& cell);
+  /// Fills the spans of a body's shapes.
+  void measure_spans(const BatchBody& body);
   int common_joint(int a, int b) const;
   int depth_of(int joint) const {
     return joint < 0 ? 0 : joints[static_cast<std::size_t>(joint)].depth;

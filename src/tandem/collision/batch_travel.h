@@ -71,6 +71,14 @@ class Travels {
     return hn::Mul(sum, Fill(kRoundUp * static_cast<float>(work_.half_length)));
   }
 
+  /// How far the joints below `common` turn `joint` within a part [rad]: two points of it move no
+  /// further apart than this times their distance.
+  HWY_INLINE float TurnOf(int joint, int common) const {
+    const float turn = work_.turn[static_cast<std::size_t>(joint)] -
+                       (common < 0 ? 0.0F : work_.turn[static_cast<std::size_t>(common)]);
+    return kRoundUp * static_cast<float>(work_.half_length) * turn;
+  }
+
   /// The same for all points of a shape's core: the sum is convex, so most at its ends.
   V OfShape(int shape, int common) {
     const BatchShape& compiled = model_.shapes[static_cast<std::size_t>(shape)];
@@ -83,11 +91,8 @@ class Travels {
       return hn::Max(OfPoint(center + u, compiled.joint, common),
                      OfPoint(center - u, compiled.joint, common));
     }
-    const float turn = work_.turn[static_cast<std::size_t>(compiled.joint)] -
-                       (common < 0 ? 0.0F : work_.turn[static_cast<std::size_t>(common)]);
-    const float further =
-        kRoundUp * static_cast<float>(work_.half_length) * turn * compiled.circumradius;
-    return hn::Add(OfPoint(center, compiled.joint, common), Fill(further));
+    return hn::Add(OfPoint(center, compiled.joint, common),
+                   Fill(TurnOf(compiled.joint, common) * compiled.circumradius));
   }
 
  private:

@@ -1,8 +1,10 @@
 #pragma once
 /// The batch checker's work space. Private to this folder.
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "tandem/collision/batch_model.h"
@@ -15,6 +17,13 @@ inline constexpr int kMostLanes = 8;
 struct alignas(sizeof(float) * kMostLanes) LaneRow {
   float lane[kMostLanes] = {};
 };
+
+/// Joint values as single precision takes them: angles without whole turns, which cost digits.
+inline double without_turns(const BatchJoint& joint, double value) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  if (joint.prismatic || std::abs(value) <= kTurn) return value;
+  return value - kTurn * std::round(value / kTurn);
+}
 
 /// Part of an edge, seen from its middle configuration at s = 0; the ends are s = -1 and s = 1.
 struct EdgePart {
