@@ -37,7 +37,7 @@ void for_each_target(F&& f) {
 /// Cells whose links are made of single kinds of shapes, or of everything.
 std::vector<test::RandomCellOptions> kinds_of_cells() {
   std::vector<test::RandomCellOptions> all(1);
-  for (int core = 0; core < 6; ++core) {
+  for (int core = 0; core < 7; ++core) {
     test::RandomCellOptions options;
     options.cores = {static_cast<geometry::CoreType>(core)};
     all.push_back(options);

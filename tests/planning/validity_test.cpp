@@ -182,6 +182,33 @@ TEST(CertifiedValidity, AgreesWithDenseSamples) {
               undecided, 1e3 * certified->stats().seconds / 800);
 }
 
+TEST(BatchValidity, AcceptsNearlyWhatTheCertificateAccepts) {
+  const auto cell = test::small_cell();
+  const collision::SsvChecker checker(cell);
+  const collision::BatchChecker batch(checker);
+  const PairSelection all = cell->select(world::PairScope::all());
+  const auto fast = make_batch_validity(batch, all);
+  const auto certified = make_certified_validity(checker, all);
+  const auto sampled = make_sampled_validity(checker, all, 2e-3);
+  Rng rng(8);
+  int accepted = 0, different = 0;
+  for (int round = 0; round < 400; ++round) {
+    const VectorXd a = random_vector(rng, cell->dof(), 1.2);
+    const VectorXd b = a + random_vector(rng, cell->dof(), 0.4);
+    EXPECT_EQ(fast->state(a), certified->state(a)) << "round " << round;
+    const bool proven = fast->edge(a, b);
+    EXPECT_EQ(proven, fast->edge(b, a)) << "round " << round;
+    EXPECT_TRUE(!proven || sampled->edge(a, b))
+        << "a proven edge touches something in round " << round;
+    accepted += proven;
+    different += proven != certified->edge(a, b);
+  }
+  EXPECT_GT(accepted, 40);
+  EXPECT_LT(different, 4);
+  EXPECT_EQ(fast->stats().states, 400);
+  EXPECT_EQ(fast->stats().edges, 800);
+}
+
 TEST(CertifiedValidity, AStopRejectsEdges) {
   const auto cell = test::small_cell();
   const collision::SsvChecker checker(cell);

@@ -2,6 +2,8 @@
 
 #include "tandem/collision/batch_work.h"
 
+// What has no SSE4 is rare enough to be served by the scalar fallback.
+#define HWY_DISABLED_TARGETS HWY_SSSE3
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tandem/collision/batch_kernels.cpp"
 #include <hwy/foreach_target.h>  // Includes this file again for each instruction set.

@@ -357,7 +357,10 @@ BatchModel::BatchModel(const world::Workcell& cell) : dof(cell.dof()) {
   X_CW.translation() = -(X_CW.linear() * middle_of_bases(*this));
   for (BatchJoint& joint : joints) {
     if (joint.parent < 0) joint.X_PJ = X_CW * joint.X_PJ;
-    joint.R_PJ = matrix_to_float(Matrix3d(joint.X_PJ.linear()));
+    // Right angles written with ten digits become right angles, which cost less to turn by.
+    const Matrix3d R_PJ = joint.X_PJ.linear().unaryExpr(
+        [](double entry) { return std::abs(entry) < kParallel ? 0.0 : entry; });
+    joint.R_PJ = matrix_to_float(R_PJ);
     joint.p_PJ = to_float(joint.X_PJ.translation());
   }
   margin = static_cast<float>(kRoundings * kEpsilon * furthest_reach(*this, boxes));

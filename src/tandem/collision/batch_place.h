@@ -21,8 +21,12 @@ HWY_INLINE Pose LoadPose(const LaneRow* rows) {
   return {Load3(rows), Load3(rows + 3), Load3(rows + 6), Load3(rows + 9)};
 }
 
-/// Directions of the frame: R * v for v given by numbers.
+/// Directions of the frame: R * v for v given by numbers, of which most are often zero.
 HWY_INLINE V3 Turn(const Pose& X, float x, float y, float z) {
+  if (x == 0 && z == 0) return Scale(Fill(y), X.y);
+  if (x == 0 && y == 0) return Scale(Fill(z), X.z);
+  if (x == 0) return MulAdd3(Fill(z), X.z, Scale(Fill(y), X.y));
+  if (y == 0 && z == 0) return Scale(Fill(x), X.x);
   return MulAdd3(Fill(z), X.z, MulAdd3(Fill(y), X.y, Scale(Fill(x), X.x)));
 }
 
