@@ -31,7 +31,7 @@ class EdgeProver {
     travels_.Bound();
     if (!ExamineWhole()) return EdgeFinding::kNotFree;
     for (int placed = 0; !work_.parts.empty(); std::swap(work_.parts, work_.next_parts)) {
-      if (placed > kMostConfigurations || work_.half_length < kLeastLength) {
+      if (is_hopeless_ || placed > kMostConfigurations || work_.half_length < kLeastLength) {
         return Found(EdgeFinding::kOpen);
       }
       placed += Divide();
@@ -271,6 +271,8 @@ class EdgeProver {
     const Gap gap = gaps.Between(s, t);
     if (!None(hn::And(among, hn::Lt(gap.squared, Fill(gap.touch_below))))) touches_ = true;
     const V squared = hn::Max(gap.squared, hn::Zero(kFloats));
+    if (gap.is_box && !None(hn::And(among, hn::Le(squared, hn::Zero(kFloats)))))
+      is_hopeless_ = true;
     among = Within(among, squared, outer, quick);
     if (None(among)) return among;
     return Within(among, squared, outer,
@@ -284,12 +286,9 @@ class EdgeProver {
   Travels travels_;
   bool want_clearance_;
   bool touches_ = false;
+  bool is_hopeless_ = false;  ///< Boxes around other shapes overlap: no division parts them.
   V least_;
 };
-
-EdgeFinding ExamineEdge(const BatchPairs& pairs, bool want_clearance, BatchChecker::Scratch& work) {
-  return EdgeProver(pairs, want_clearance, work).Examine();
-}
 
 }  // namespace tandem::collision::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -140,6 +140,7 @@ HWY_NOINLINE V BoxBox(const V3& r, const Box& a, const Box& b) {
 struct Gap {
   V squared;          ///< [m^2] lower bound, with its sign.
   float touch_below;  ///< [m^2] Where it is less, the shapes touch for sure.
+  bool is_box;        ///< Of the box around a core, not of the core.
 };
 
 /// Distances of placed shapes.
@@ -178,15 +179,16 @@ class Gaps {
     const float touch = inner > 0 ? inner * inner : kNever;
     const V3 p = Center(a);
     if (shape_a.core == BatchCore::kPoint) {
-      return {PointTo(p, b), shape_b.core == BatchCore::kOpaque ? kNever : touch};
+      const bool is_box = shape_b.core == BatchCore::kOpaque;
+      return {PointTo(p, b), is_box ? kNever : touch, is_box};
     }
     if (shape_a.core == BatchCore::kSegment) {
-      return {SegmentTo(p, Load3(placement_.Shape(a) + 3), b),
-              shape_b.core <= BatchCore::kBox ? touch : kNever};
+      const bool is_box = shape_b.core > BatchCore::kBox;
+      return {SegmentTo(p, Load3(placement_.Shape(a) + 3), b), is_box ? kNever : touch, is_box};
     }
     const float margin = 0.5F * (shape_a.outer - shape_a.inner + shape_b.outer - shape_b.inner);
-    const bool boxes = shape_a.core == BatchCore::kBox && shape_b.core == BatchCore::kBox;
-    return {BoxBox(p - Center(b), BoxOf(a), BoxOf(b)), boxes ? -margin * margin : kNever};
+    const bool is_box = shape_b.core > BatchCore::kBox;
+    return {BoxBox(p - Center(b), BoxOf(a), BoxOf(b)), is_box ? kNever : -margin * margin, is_box};
   }
 
  private:

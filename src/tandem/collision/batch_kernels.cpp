@@ -17,6 +17,10 @@ namespace tandem::collision::HWY_NAMESPACE {
 
 int LaneCount() { return kLanes; }
 
+EdgeFinding ExamineEdge(const BatchPairs& pairs, bool want_clearance, BatchChecker::Scratch& work) {
+  return EdgeProver(pairs, want_clearance, work).Examine();
+}
+
 }  // namespace tandem::collision::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -26,7 +26,8 @@ Modules make_modules(Preset preset, const collision::SsvChecker& checker,
   modules.simplifier = planning::make_ompl_simplifier();
   switch (preset) {
     case Preset::kDefault:
-      modules.validity = planning::make_certified_validity(checker, selection, {}, stop);
+      modules.batch = std::make_unique<collision::BatchChecker>(checker);
+      modules.validity = planning::make_batch_validity(*modules.batch, selection, stop);
       modules.timing = trajectory::make_barrier_optimizer();
       modules.repair = true;
       break;

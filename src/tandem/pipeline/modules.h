@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "tandem/collision/ssv_checker.h"
+#include "tandem/collision/batch_checker.h"
 #include "tandem/core/stop.h"
 #include "tandem/pipeline/plan.h"
 #include "tandem/planning/planner.h"
@@ -15,6 +15,7 @@ struct Modules {
   std::unique_ptr<planning::PathPlanner> planner;
   std::unique_ptr<planning::PathSimplifier> simplifier;
   std::unique_ptr<trajectory::TimeOptimizer> timing;
+  std::unique_ptr<collision::BatchChecker> batch;  ///< If `validity` asks one.
   std::unique_ptr<planning::Validity> validity;
   bool repair = true;  ///< Whether a curve that touches something is repaired or an error.
 };
