@@ -93,11 +93,27 @@ class BlockChecker {
           Apart(gaps_.PointTo(center_b, s), b.sphere.radius + gaps_.ShapeAt(s).outer)) {
         continue;
       }
+      if (b.is_spheres && gaps_.ShapeAt(s).core == BatchCore::kPoint && ApartFromSpheres(s, b)) {
+        continue;
+      }
       for (int t = b.first_shape; t < b.first_shape + b.shape_count; ++t) {
         if (TouchesShape(s, t, pair.pair, resolved)) return true;
       }
     }
     return false;
+  }
+
+  /// Whether a sphere is apart from a body of spheres; most are, so all are looked at together.
+  HWY_INLINE bool ApartFromSpheres(int sphere, const BatchBody& body) {
+    const V3 center = gaps_.Center(sphere);
+    const float outer = gaps_.ShapeAt(sphere).outer;
+    V least = Fill(1);
+    for (int t = body.first_shape; t < body.first_shape + body.shape_count; ++t) {
+      const V3 r = center - gaps_.Center(t);
+      const float reach = outer + gaps_.ShapeAt(t).outer;
+      least = hn::Min(least, hn::Sub(Dot(r, r), Fill(reach * reach)));
+    }
+    return All(hn::Gt(least, hn::Zero(kFloats)));
   }
 
   /// @param resolved  lanes in which the exact checker found the bodies apart.

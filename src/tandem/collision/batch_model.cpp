@@ -375,6 +375,9 @@ BatchModel::BatchModel(const world::Workcell& cell) : dof(cell.dof()) {
     }
     body.sphere = to_sphere(enclosing_ball(balls));
     measure_spans(body);
+    body.is_spheres = std::all_of(
+        shapes.begin() + body.first_shape, shapes.begin() + body.first_shape + body.shape_count,
+        [](const BatchShape& shape) { return shape.core == BatchCore::kPoint; });
     if (body.joint < 0) {
       bound_standing(*this, body);
       continue;

@@ -57,6 +57,7 @@ struct BatchBody {
   int joint;
   int first_shape, shape_count;
   BatchSphere sphere;
+  bool is_spheres = false;  ///< All its shapes.
   /// Standing bodies: the box along C's axes around all cores, and their largest radius.
   Vector3f3 p_CB{}, half{};
   float outer = 0;

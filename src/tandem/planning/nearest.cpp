@@ -38,11 +38,10 @@ int Nearest(const NearestConfigurations::Row* rows, int blocks, int dof, const f
       index = hn::Add(index, hn::Set(ints, kLanes));
     }
   }
-  HWY_ALIGN float of_lane[NearestConfigurations::kBlock];
+  const auto lane = hn::FindFirstTrue(floats, hn::Eq(least, hn::MinOfLanes(floats, least)));
   HWY_ALIGN std::int32_t index_of_lane[NearestConfigurations::kBlock];
-  hn::Store(least, floats, of_lane);
   hn::Store(where, ints, index_of_lane);
-  return index_of_lane[std::min_element(of_lane, of_lane + kLanes) - of_lane];
+  return index_of_lane[lane];
 }
 
 }  // namespace tandem::planning::HWY_NAMESPACE
