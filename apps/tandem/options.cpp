@@ -132,6 +132,10 @@ void PlanningOptions::add_to(CLI::App& command) {
       ->capture_default_str()
       ->check(one_of(names_of(kStrategies)))
       ->group(group);
+  command
+      .add_flag("!--no-plpp", values.plpp,
+                "Leave out the path length post-processor: sooner ready, longer paths")
+      ->group(group);
   command.add_option("--seed", values.seed, "Same seed, same answer")
       ->type_name("N")
       ->capture_default_str()

@@ -76,6 +76,7 @@ TEST(PlanFile, RoundTripIsExact) {
     EXPECT_EQ(loaded->strategy, "centralized");
     EXPECT_EQ(loaded->preset, seed % 2 ? "paper" : "default");
     EXPECT_EQ(loaded->seed, plan.seed);
+    EXPECT_EQ(loaded->plpp, plan.plpp);
     EXPECT_EQ(loaded->arms, (std::vector<std::string>{"left", "right"}));
     ASSERT_EQ(loaded->joints.size(), 2u);
     EXPECT_EQ(loaded->joints[1].front(), "right/joint1");

@@ -73,6 +73,7 @@ inline pipeline::PlanReport rough_report(Rng& rng, Eigen::Index dof) {
   report.counts = {.state_checks = 12,
                    .edge_checks = 345,
                    .certificate_evaluations = 6789,
+                   .shortenings = 3,
                    .timings = 2,
                    .repairs = 1};
   report.arms = {{1.5, 1.25, 2.5, 2.25, 3.125}, {0.1, 0.2, 0.3, 0.4, 0.7}};
@@ -112,6 +113,7 @@ inline pipeline::Plan rough_plan(const world::Workcell& cell, std::uint64_t seed
           .strategy = pipeline::Strategy::kCentralized,
           .preset = seed % 2 ? pipeline::Preset::kPaper : pipeline::Preset::kDefault,
           .seed = rng.split(),
+          .plpp = seed % 3 == 0,
           .ends = {"cross", rough_vector(rng, cell.dof()), rough_vector(rng, cell.dof()),
                    rough_scene(cell, rng)},
           .trajectory = motion::CellMotion(std::move(splines)),

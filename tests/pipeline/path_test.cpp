@@ -57,7 +57,7 @@ TEST_F(PathOnSmallCell, JoinsTheEndsFreelyAndTheSimplifiedOneIsNoLonger) {
 // The path is the one that plan() times: the same modules, the same seeds.
 TEST_F(PathOnSmallCell, IsThePathOfTheCentralizedPlan) {
   for (const Preset preset : {Preset::kDefault, Preset::kPaper}) {
-    const PlanOptions options{.preset = preset, .seed = 4};
+    const PlanOptions options{.preset = preset, .seed = 4, .plpp = false};
     const auto found = plan_path(cell_, query_, options);
     ASSERT_TRUE(found) << found.error().message;
     PlanReport report;

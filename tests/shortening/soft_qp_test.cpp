@@ -43,17 +43,39 @@ SoftQp random_qp(int size, int count, int groups, Rng& rng) {
   return qp;
 }
 
-/// The same problem with one slack variable per constraint, by SLSQP.
+/// The problem with one slack variable per constraint, as NLopt sees it.
+struct SlackProblem {
+  const SoftQp& qp;
+  Index n, m;  ///< Variables and constraints.
+};
+
+void lacking_beyond_slack(unsigned rows, double* result, unsigned cols, const double* x,
+                          double* gradient, void* raw) {
+  const auto& d = *static_cast<SlackProblem*>(raw);
+  Eigen::ArrayXd lacking;
+  d.qp.lacking(Eigen::Map<const VectorXd>(x, d.n), lacking);
+  Eigen::Map<VectorXd>(result, rows) = lacking.matrix() - Eigen::Map<const VectorXd>(x + d.n, d.m);
+  if (!gradient) return;
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Eigen::Map<Rows> A(gradient, rows, cols);
+  A.setZero();
+  Eigen::ArrayXd at_zero, moved;
+  d.qp.lacking(VectorXd::Zero(d.n), at_zero);
+  for (Index j = 0; j < d.n; ++j) {
+    d.qp.lacking(VectorXd::Unit(d.n, j), moved);
+    A.col(j) = moved - at_zero;
+  }
+  A.rightCols(d.m) = -MatrixXd::Identity(d.m, d.m);
+}
+
+/// Its optimum by SLSQP.
 double reference(const SoftQp& qp) {
   const Index n = qp.g.size(), m = qp.constraint_count();
-  struct Data {
-    const SoftQp& qp;
-    Index n, m;
-  } data{qp, n, m};
+  SlackProblem data{qp, n, m};
   nlopt::opt solver(nlopt::LD_SLSQP, static_cast<unsigned>(n + m));
   solver.set_min_objective(
       [](unsigned, const double* x, double* gradient, void* raw) {
-        const auto& d = *static_cast<Data*>(raw);
+        const auto& d = *static_cast<SlackProblem*>(raw);
         const VectorXd at = Eigen::Map<const VectorXd>(x, d.n);
         const VectorXd slack = Eigen::Map<const VectorXd>(x + d.n, d.m);
         VectorXd Hx(d.n);
@@ -65,27 +87,8 @@ double reference(const SoftQp& qp) {
         return at.dot(0.5 * Hx + d.qp.g) + d.qp.penalty * slack.sum();
       },
       &data);
-  solver.add_inequality_mconstraint(
-      [](unsigned rows, double* result, unsigned cols, const double* x, double* gradient,
-         void* raw) {
-        const auto& d = *static_cast<Data*>(raw);
-        Eigen::ArrayXd lacking;
-        d.qp.lacking(Eigen::Map<const VectorXd>(x, d.n), lacking);
-        Eigen::Map<VectorXd>(result, rows) =
-            lacking.matrix() - Eigen::Map<const VectorXd>(x + d.n, d.m);
-        if (!gradient) return;
-        using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-        Eigen::Map<Rows> A(gradient, rows, cols);
-        A.setZero();
-        Eigen::ArrayXd at_zero, moved;
-        d.qp.lacking(VectorXd::Zero(d.n), at_zero);
-        for (Index j = 0; j < d.n; ++j) {
-          d.qp.lacking(VectorXd::Unit(d.n, j), moved);
-          A.col(j) = moved - at_zero;
-        }
-        A.rightCols(d.m) = -MatrixXd::Identity(d.m, d.m);
-      },
-      &data, std::vector<double>(static_cast<std::size_t>(m), 1e-10));
+  solver.add_inequality_mconstraint(&lacking_beyond_slack, &data,
+                                    std::vector<double>(static_cast<std::size_t>(m), 1e-10));
   std::vector<double> lower(qp.lower.begin(), qp.lower.end());
   std::vector<double> upper(qp.upper.begin(), qp.upper.end());
   lower.resize(static_cast<std::size_t>(n + m), 0.0);

@@ -125,7 +125,7 @@ export interface PlanData {
   workcell: string;
   query: string;
   seed: number;
-  options: { preset: string; strategy: string };
+  options: { preset: string; strategy: string; plpp: boolean };
   start: number[];
   goal: number[];
   arms: PlanArm[];

@@ -50,7 +50,7 @@ std::string bench_json(const pipeline::BenchResult& result) {
                {"list", result.list},
                {"preset", to_string(result.options.preset)},
                {"strategy", to_string(result.options.strategy)},
-               {"plpp", false},
+               {"plpp", result.options.plpp},
                {"cycles", result.cycles}};
   add_measures(json, runs_of(result), result.arms);
   json["per_query"] = Json::object();

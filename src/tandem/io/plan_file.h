@@ -15,6 +15,7 @@ struct PlanFile {
   std::string version;             ///< Of the tandem that wrote it.
   std::filesystem::path workcell;  ///< Resolved against the plan file's folder; empty if unknown.
   std::string query, strategy, preset;
+  bool plpp = false;
   std::uint64_t seed = 0;
   std::vector<std::string> arms;
   std::vector<std::vector<std::string>> joints;  ///< By arm, cell names.

@@ -149,7 +149,7 @@ void check_schema(const JsonReader& json) {
   }
   json.expect_keys({"schema_version", "tandem_version", "workcell", "query", "seed", "options",
                     "start", "goal", "scene", "arms", "phases", "report"});
-  json["options"].expect_keys({"preset", "strategy"});
+  json["options"].expect_keys({"preset", "strategy", "plpp"});
 }
 
 PlanFile read_plan(const JsonReader& json, const std::filesystem::path& folder) {
@@ -179,6 +179,7 @@ PlanFile read_plan(const JsonReader& json, const std::filesystem::path& folder) 
           .query = json["query"].text(),
           .strategy = json["options"]["strategy"].name(),
           .preset = json["options"]["preset"].name(),
+          .plpp = json["options"]["plpp"].boolean(),
           .seed = json["seed"].count(),
           .arms = std::move(arms),
           .joints = std::move(joints),

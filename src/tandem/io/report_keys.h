@@ -23,10 +23,11 @@ inline constexpr std::array<Key<pipeline::ModuleTimes, double>, 8> kTimeKeys = {
     {"total", &pipeline::ModuleTimes::total},
 }};
 
-inline constexpr std::array<Key<pipeline::ModuleCounts, long>, 5> kCountKeys = {{
+inline constexpr std::array<Key<pipeline::ModuleCounts, long>, 6> kCountKeys = {{
     {"state_checks", &pipeline::ModuleCounts::state_checks},
     {"edge_checks", &pipeline::ModuleCounts::edge_checks},
     {"certificate_evaluations", &pipeline::ModuleCounts::certificate_evaluations},
+    {"shortenings", &pipeline::ModuleCounts::shortenings},
     {"timings", &pipeline::ModuleCounts::timings},
     {"repairs", &pipeline::ModuleCounts::repairs},
 }};

@@ -1,6 +1,9 @@
 #include "tandem/pipeline/modules.h"
 
 #include "tandem/planning/ompl/ompl_planning.h"
+#include "tandem/planning/rrt_connect.h"
+#include "tandem/planning/simplifier.h"
+#include "tandem/shortening/nlopt/slsqp_shortener.h"
 #include "tandem/trajectory/nlopt/slsqp_time_optimizer.h"
 
 namespace tandem::pipeline {
@@ -22,18 +25,24 @@ double paper_resolution(const world::Workcell& cell) {
 Modules make_modules(Preset preset, const collision::SsvChecker& checker,
                      const world::PairSelection& selection, const StopCondition& stop) {
   Modules modules;
-  modules.planner = planning::make_ompl_rrt_connect();
-  modules.simplifier = planning::make_ompl_simplifier();
   switch (preset) {
     case Preset::kDefault:
+      modules.planner = planning::make_rrt_connect();
+      modules.simplifier = planning::make_simplifier();
       modules.batch = std::make_unique<collision::BatchChecker>(checker);
       modules.validity = planning::make_batch_validity(*modules.batch, selection, stop);
+      modules.shortener = shortening::make_structured_shortener();
       modules.timing = trajectory::make_barrier_optimizer();
       modules.repair = true;
       break;
     case Preset::kPaper:
+      modules.planner = planning::make_ompl_rrt_connect();
+      modules.simplifier = planning::make_ompl_simplifier();
       modules.validity =
           planning::make_sampled_validity(checker, selection, paper_resolution(checker.cell()));
+      modules.shortener = shortening::make_slsqp_shortener();
+      modules.shortening.weights.joints = 0;
+      modules.shortening.joint_limits = false;
       modules.timing = trajectory::make_slsqp_time_optimizer();
       modules.repair = false;
       break;

@@ -7,6 +7,7 @@
 #include "tandem/core/stop.h"
 #include "tandem/pipeline/plan.h"
 #include "tandem/planning/planner.h"
+#include "tandem/shortening/shortener.h"
 #include "tandem/trajectory/time_optimizer.h"
 
 namespace tandem::pipeline {
@@ -17,6 +18,8 @@ struct Modules {
   std::unique_ptr<trajectory::TimeOptimizer> timing;
   std::unique_ptr<collision::BatchChecker> batch;  ///< If `validity` asks one.
   std::unique_ptr<planning::Validity> validity;
+  std::unique_ptr<shortening::Shortener> shortener;
+  shortening::ShorteningOptions shortening;
   bool repair = true;  ///< Whether a curve that touches something is repaired or an error.
 };
 

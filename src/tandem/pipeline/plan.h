@@ -33,6 +33,7 @@ struct PlanOptions {
   std::uint64_t seed = 1;
   double deadline = 5.0;  ///< [s] of wall time, > 0.
   std::stop_token token = {};
+  bool plpp = true;         ///< Shorten the tools' paths (the path length post-processor).
   bool keep_phases = true;  ///< Keep the intermediate paths in the report.
 };
 
@@ -50,6 +51,7 @@ struct Plan {
   Strategy strategy;
   Preset preset;
   std::uint64_t seed;
+  bool plpp;  ///< Whether the path length post-processor was part of it.
   ResolvedQuery ends;  ///< With the cell that was planned in.
   motion::CellMotion trajectory;
   PlanReport report;

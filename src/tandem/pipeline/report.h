@@ -26,8 +26,9 @@ struct ModuleCounts {
   long state_checks = 0;
   long edge_checks = 0;
   long certificate_evaluations = 0;
-  long timings = 0;  ///< Runs of the time optimiser.
-  long repairs = 0;  ///< Waypoints added because the executed curve touched something.
+  long shortenings = 0;  ///< Runs of the path length post-processor.
+  long timings = 0;      ///< Runs of the time optimiser.
+  long repairs = 0;      ///< Waypoints added because the executed curve touched something.
 };
 
 /// Lengths of one arm's path, before and after shortening.

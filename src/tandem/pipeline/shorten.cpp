@@ -1,0 +1,220 @@
+#include "tandem/pipeline/shorten.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem::pipeline {
+
+using motion::JointPath;
+
+namespace {
+
+constexpr int kWaypoints = 20;  // Ref: the paper, "Planner Parameters".
+/// Rounds of looking closer at edges that could not be proven.
+constexpr int kRepairs = 3;
+/// How much longer the tools' paths may become where waypoints are dropped, as a fraction of the
+/// whole.
+constexpr double kLonger = 2e-3;
+
+std::vector<std::vector<Eigen::Isometry3d>> tool_poses(const world::Workcell& cell,
+                                                       const JointPath& path) {
+  std::vector<std::vector<Eigen::Isometry3d>> tools(cell.arms().size());
+  Eigen::VectorXd positions;
+  robot::LinkPoses X_WL;
+  for (const Eigen::VectorXd& q : path) {
+    cell.forward_kinematics(q, positions, X_WL);
+    for (std::size_t i = 0; i < tools.size(); ++i) {
+      tools[i].push_back(cell.tool_pose(static_cast<int>(i), X_WL));
+    }
+  }
+  return tools;
+}
+
+/// Sum over the arms of L, measured at the waypoints.
+double tool_length(const world::Workcell& cell, const JointPath& path) {
+  double sum = 0;
+  for (const auto& X_WE : tool_poses(cell, path)) sum += motion::cartesian_length(X_WE).L;
+  return sum;
+}
+
+bool accepted(planning::Validity& validity, const JointPath& path) {
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    if (!validity.edge(path[i - 1], path[i])) return false;
+  }
+  return true;
+}
+
+/// Points inside each edge to look at next: where an edge is not accepted, twice as many and one.
+/// @return whether there is such an edge.
+bool look_closer(planning::Validity& validity, const JointPath& path, std::vector<int>& points) {
+  bool any = false;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    if (validity.edge(path[i - 1], path[i])) continue;
+    any = true;
+    int& inside = points[i - 1];
+    inside = 2 * inside + 1;
+  }
+  return any;
+}
+
+/// As far from `from` towards `to` as every edge is accepted, or `from`.
+JointPath blended(planning::Validity& validity, const JointPath& from, const JointPath& to,
+                  const StopCondition& stop) {
+  JointPath path = to;
+  for (double part = 0.75; part > 0.1 && !stop(); part -= 0.25) {
+    for (std::size_t i = 0; i < path.size(); ++i) path[i] = from[i] + part * (to[i] - from[i]);
+    path.front() = from.front();
+    path.back() = from.back();
+    if (accepted(validity, path)) return path;
+  }
+  return from;
+}
+
+/// Drops waypoints whose detour is not worth anything, part by part.
+class Thinning {
+ public:
+  Thinning(const world::Workcell& cell, planning::Validity& validity, const JointPath& path,
+           const StopCondition& stop)
+      : cell_(cell),
+        validity_(validity),
+        path_(path),
+        stop_(stop),
+        total_(tool_length(cell, path)) {}
+
+  JointPath run() {
+    kept_ = {path_.front()};
+    thin(0, path_.size() - 1);
+    return std::move(kept_);
+  }
+
+ private:
+  /// Appends what is needed of waypoints (first, last].
+  void thin(std::size_t first, std::size_t last) {
+    if (last - first == 1 || (!stop_() && straight(first, last))) {
+      kept_.push_back(path_[last]);
+      return;
+    }
+    const std::size_t middle = furthest(first, last);
+    thin(first, middle);
+    thin(middle, last);
+  }
+
+  /// Whether the straight edge is accepted and its tools' paths are as short.
+  bool straight(std::size_t first, std::size_t last) {
+    JointPath part(path_.begin() + static_cast<std::ptrdiff_t>(first),
+                   path_.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+    const JointPath edge =
+        motion::interpolated({part.front(), part.back()}, static_cast<int>(part.size()));
+    return tool_length(cell_, edge) <= tool_length(cell_, part) + kLonger * total_ &&
+           validity_.edge(part.front(), part.back());
+  }
+
+  /// The waypoint between that is furthest from the straight edge.
+  std::size_t furthest(std::size_t first, std::size_t last) const {
+    const Eigen::VectorXd along = path_[last] - path_[first];
+    const double squared = along.squaredNorm();
+    std::size_t best = (first + last) / 2;
+    double most = 0;
+    for (std::size_t i = first + 1; i < last; ++i) {
+      const Eigen::VectorXd d = path_[i] - path_[first];
+      const double s = squared > 0 ? std::clamp(d.dot(along) / squared, 0.0, 1.0) : 0;
+      const double away = (d - s * along).squaredNorm();
+      if (away > most) {
+        most = away;
+        best = i;
+      }
+    }
+    return best;
+  }
+
+  const world::Workcell& cell_;
+  planning::Validity& validity_;
+  const JointPath& path_;
+  const StopCondition& stop_;
+  double total_;
+  JointPath kept_;
+};
+
+/// The shortened path with accepted edges, or what of it can be had.
+JointPath proven_short(const ShortenContext& context, const JointPath& path) {
+  planning::Validity& validity = *context.modules.validity;
+  const auto scratch = context.checker.make_scratch();
+  shortening::ShorteningOptions options = context.modules.shortening;
+  options.points_per_edge.assign(path.size() - 1, 1);
+  const auto shorten = [&](const JointPath* start) {
+    ++context.report.counts.shortenings;
+    return context.modules.shortener->shorten(context.checker, context.selection, path, options,
+                                              *scratch, context.stop, start);
+  };
+  shortening::Shortening result = shorten(nullptr);
+  for (int k = 0; k < kRepairs && !context.stop(); ++k) {
+    if (!look_closer(validity, result.path, options.points_per_edge)) return result.path;
+    ++context.report.rungs["plpp_repair"];
+    const JointPath start = result.path;
+    result = shorten(&start);
+  }
+  if (accepted(validity, result.path)) return result.path;
+  ++context.report.rungs["plpp_blend"];
+  return blended(validity, path, result.path, context.stop);
+}
+
+}  // namespace
+
+std::vector<ArmLengths> arm_lengths(const world::Workcell& cell, const JointPath& before,
+                                    const JointPath& after) {
+  const auto first = tool_poses(cell, motion::interpolated(before, kWaypoints));
+  const auto last = tool_poses(cell, motion::interpolated(after, kWaypoints));
+  std::vector<ArmLengths> lengths(cell.arms().size());
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    const world::Arm& arm = cell.arms()[i];
+    JointPath part;
+    for (const Eigen::VectorXd& q : after) part.push_back(q.segment(arm.offset, arm.dof()));
+    const motion::CartesianLength was = motion::cartesian_length(first[i]);
+    const motion::CartesianLength is = motion::cartesian_length(last[i]);
+    lengths[i] = {was.f, is.f, was.L, is.L, motion::joint_length(part)};
+  }
+  return lengths;
+}
+
+JointPath shorten_path(const ShortenContext& context, const ResolvedQuery& ends,
+                       const JointPath& path) {
+  const world::Workcell& cell = context.checker.cell();
+  PlanReport& report = context.report;
+  const auto keep = [&](const char* name, const JointPath& waypoints) {
+    if (context.options.keep_phases) report.phases.push_back({name, waypoints});
+  };
+  const JointPath dense = motion::interpolated(path, kWaypoints);
+  keep("interpolated", dense);
+  JointPath shortened;
+  {
+    ModuleTimer timer(report.times.plpp);
+    if (context.options.preset == Preset::kPaper) {
+      const auto scratch = context.checker.make_scratch();
+      ++report.counts.shortenings;
+      shortened = context.modules.shortener
+                      ->shorten(context.checker, context.selection, dense,
+                                context.modules.shortening, *scratch, context.stop)
+                      .path;
+    } else {
+      shortened = proven_short(context, dense);
+      if (tool_length(cell, shortened) > tool_length(cell, dense)) shortened = dense;
+    }
+  }
+  keep("shortened", shortened);
+  JointPath simplified;
+  {
+    ModuleTimer timer(report.times.simplification);
+    if (context.options.preset == Preset::kPaper) {
+      const planning::PathProblem problem{ends.start, ends.goal, cell.lower(), cell.upper()};
+      simplified = context.modules.simplifier->simplify(
+          problem, shortened, *context.modules.validity, context.options.seed, context.stop);
+    } else {
+      simplified = Thinning(cell, *context.modules.validity, shortened, context.stop).run();
+    }
+  }
+  keep("simplified_again", simplified);
+  report.arms = arm_lengths(cell, dense, shortened);
+  return simplified;
+}
+
+}  // namespace tandem::pipeline
