@@ -46,6 +46,9 @@ std::vector<test::RandomCellOptions> kinds_of_cells() {
   revolute.prismatic = false;
   revolute.padding = 0;
   all.push_back(revolute);
+  test::RandomCellOptions surfaces;
+  surfaces.surface_pieces = 120;
+  all.push_back(surfaces);
   return all;
 }
 
