@@ -45,7 +45,7 @@ OPTIONAL = {
 # Headers directly in src/tandem, above every folder.
 FACE = "tandem.h"
 
-SOURCE_FOLDERS = ("src", "apps", "examples", "benchmarks", "tests")
+SOURCE_FOLDERS = ("src", "apps", "examples", "benchmarks", "fuzz", "tests")
 HEADER_LINES = 300  # Each file and function stays below its number.
 SOURCE_LINES = 600
 FUNCTION_LINES = 60

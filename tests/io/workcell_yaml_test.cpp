@@ -324,6 +324,7 @@ TEST(WorkcellFile, ThatCannotBeReadIsNamed) {
   };
   expect(folder / "missing.yaml", ErrorCode::kNotFound, "no such file");
   expect(folder / "", ErrorCode::kIo, "folder");
+  expect("/dev/zero", ErrorCode::kInvalidInput, "larger");  // It never ends.
   expect(folder.write("empty.yaml", ""), ErrorCode::kInvalidInput, "empty");
   expect(folder.write("comment.yaml", "# nothing\n"), ErrorCode::kInvalidInput, "empty");
   expect(folder.write("null.yaml", "---\n"), ErrorCode::kInvalidInput, "map of keys");

@@ -295,6 +295,7 @@ TEST(Urdf, RefusesWhatIsTooLargeOrTooDeep) {
 TEST(Urdf, ReportsFilesThatCannotBeRead) {
   expect_error(load_urdf("/no/such.urdf"), ErrorCode::kNotFound, {"/no/such.urdf"});
   expect_error(load_urdf(testing::TempDir()), ErrorCode::kIo, {"folder"});
+  expect_error(load_urdf("/dev/zero"), ErrorCode::kInvalidInput, {"larger"});  // It never ends.
 }
 
 TEST(Urdf, SurvivesDamagedFiles) {

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "tandem/geometry/collada.h"
 #include "tandem/geometry/file_bytes.h"
 #include "tandem/geometry/ply.h"
 
@@ -71,7 +72,6 @@ Result<TriangleMesh> read_by_assimp(const std::string& bytes, const Path& file) 
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   // From memory: so nothing else, such as a material file, is opened.
   const aiScene* scene = importer.ReadFileFromMemory(
       bytes.data(), bytes.size(),
@@ -124,6 +124,7 @@ Result<TriangleMesh> parse(const std::string& bytes, const Path& file) {
     if (!ply) return std::unexpected(ply.error());
     return TriangleMesh{std::move(ply->vertices), std::move(ply->triangles)};
   }
+  if (type == ".dae") return detail::parse_collada(bytes, file);
   if (type == ".stl") {
     if (auto checked = check_stl(bytes, file); !checked) return std::unexpected(checked.error());
   }

@@ -17,6 +17,8 @@ struct TriangleMesh {
 
 /// Reads STL, OBJ, COLLADA, PLY; vertices are multiplied by `scale`. Equal vertices are joined.
 /// Up directions that a file states are ignored, as by every reader of URDF.
+/// Polygons become triangles; of COLLADA, what the scene shows, in metres, without skeletons
+/// (kUnsupported).
 /// @return kIo or kInvalidInput naming the file if it cannot be read, holds no triangles, has a
 /// vertex that is not finite, or more than it may have (10 million triangles, 1 GB).
 Result<TriangleMesh> read_mesh(const std::filesystem::path& file,
