@@ -48,7 +48,7 @@ void for_random_pairs(std::uint64_t seed, int count, const Check& check) {
 }
 
 TEST(Clearance, RisesAtFullRateAlongTheNormalFromAnyDepth) {
-  for_random_pairs(1, 20, [](const Shape& a, const Shape& b, const Clearance& c, Rng&) {
+  for_random_pairs(1, 12, [](const Shape& a, const Shape& b, const Clearance& c, Rng&) {
     for (const double h : {1e-6, 1e-3, 0.4}) {
       const Shape moved = a.in(translation(h * c.nhat_BA_W));
       EXPECT_NEAR(clearance(moved, b).distance, c.distance + h, tolerance(a, b)) << "h " << h;
@@ -59,7 +59,7 @@ TEST(Clearance, RisesAtFullRateAlongTheNormalFromAnyDepth) {
 }
 
 TEST(Clearance, OfCoresThatAllButTouchIsTheirSmallGap) {
-  for_random_pairs(9, 30, [](const Shape& a, const Shape& b, const Clearance& c, Rng& rng) {
+  for_random_pairs(9, 15, [](const Shape& a, const Shape& b, const Clearance& c, Rng& rng) {
     const double radii = a.radius() + b.radius(), gap = c.distance + radii;
     if (gap < 1e-6) return;
     const double small = std::pow(10, rng.uniform(-13, -6));
@@ -82,7 +82,7 @@ TEST(Clearance, NormalAndWitnessGiveTheGradientOfAnyRigidMotion) {
   Rng rng(3);
   constexpr double h = 1e-6;
   double worst = 0;
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < 8000; ++i) {
     const Shape a = random_shape(rng, kCoreTypes[rng.index(kCoreTypes.size())], Draw::kGeneric, 1);
     const Shape b = random_shape(rng, kCoreTypes[rng.index(kCoreTypes.size())], Draw::kGeneric, 1);
     const Clearance c = clearance(a, b);
@@ -110,7 +110,7 @@ TEST(Clearance, DoesNotDependOnTheFrame) {
 }
 
 TEST(Clearance, OfSwappedShapesIsItsMirror) {
-  for_random_pairs(5, 20, [](const Shape& a, const Shape& b, const Clearance& c, Rng&) {
+  for_random_pairs(5, 12, [](const Shape& a, const Shape& b, const Clearance& c, Rng&) {
     const Clearance back = clearance(b, a);
     EXPECT_NEAR(back.distance, c.distance, 2 * tolerance(a, b));
     EXPECT_LT((back.p_WCb - back.p_WCa + back.distance * back.nhat_BA_W).norm(), 1e-13);
@@ -141,7 +141,7 @@ TEST(Clearance, ScalesWithTheScene) {
 }
 
 TEST(Distance, IsTheClearancesDistance) {
-  for_random_pairs(7, 20, [](const Shape& a, const Shape& b, const Clearance& c, Rng&) {
+  for_random_pairs(7, 12, [](const Shape& a, const Shape& b, const Clearance& c, Rng&) {
     EXPECT_EQ(distance(a, b), c.distance);
   });
 }

@@ -109,7 +109,7 @@ INSTANTIATE_TEST_SUITE_P(Clearance, EveryPair,
 
 TEST(Clearance, OfTriangleWithoutAreaIsThatOfItsSegment) {
   Rng rng(31);
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < 8000; ++i) {
     const Vector3d p = random_point(rng, 0.3), u = random_point(rng, 0.3);
     const double stretch = 0.5 * static_cast<double>(rng.index(9)) - 2;
     const double from = std::min(0.0, stretch), to = std::max(1.0, stretch);

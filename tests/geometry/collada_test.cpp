@@ -160,8 +160,8 @@ TEST_F(Collada, ReadsEveryKindOfPrimitive) {
 TEST_F(Collada, RefusesCountsAndIndicesThatDoNotFit) {
   const std::string good = document(kTriangles, kNode);
   ASSERT_TRUE(read(good));
-  expect_refused(with(good, R"(count="12")", R"(count="4294967295")"),
-                 {"line 5", "4294967295", "12"});
+  expect_refused(with(good, R"(count="12")", R"(count="4294967295")"), {"line 5", "4294967295"});
+  expect_refused(with(good, R"(count="12")", R"(count="9")"), {"line 5", "count 9", "has 12"});
   expect_refused(with(good, R"(count="12")", R"(count="99999999999999999999")"),
                  {"line 5", "count"});
   expect_refused(with(good, R"(count="4" stride="3")", R"(count="5" stride="3")"),
@@ -171,7 +171,7 @@ TEST_F(Collada, RefusesCountsAndIndicesThatDoNotFit) {
   expect_refused(with(good, R"(stride="3")", R"(stride="3" offset="-1")"), {"line 6", "offset"});
   expect_refused(with(good, R"(<triangles count="4">)", R"(<triangles count="400">)"),
                  {"400", "4"});
-  expect_refused(with(good, "2 0 3</p>", "2 0 4</p>"), {"line 11", "index 4", "4 vertices"});
+  expect_refused(with(good, "2 0 3</p>", "2 0 4</p>"), {"line 10", "index 4", "4 vertices"});
   expect_refused(with(good, "2 0 3</p>", "2 0 -3</p>"), {"'-3'"});
   expect_refused(with(good, "2 0 3</p>", "2 0</p>"), {"within a triangle"});
   expect_refused(with(good, R"(source="#v" offset="0")", R"(source="#v" offset="999999999")"),
@@ -238,7 +238,7 @@ TEST_F(Collada, SurvivesDamage) {
   const std::string good =
       document(kTriangles, kNode, R"(<node id="a"><scale>1 2 3</scale></node>)");
   int accepted = 0;
-  for (int i = 0; i < 400; ++i) {
+  for (int i = 0; i < 200; ++i) {
     std::string text = good;
     for (std::size_t k = 1 + rng.index(5); k > 0; --k) {
       const std::size_t at = rng.index(text.size());
@@ -267,7 +267,8 @@ TEST_F(Collada, AgreesWithAssimp) {
     EXPECT_GT(ours.area, 0);
     EXPECT_NEAR(ours.area, theirs.area, 1e-5 * theirs.area) << name;
     EXPECT_NEAR(ours.volume, theirs.volume, 1e-4 * std::abs(theirs.volume)) << name;
-    EXPECT_TRUE(ours.box.isApprox(theirs.box, 1e-5)) << name;
+    EXPECT_LT((ours.box.min() - theirs.box.min()).norm(), 1e-6) << name;
+    EXPECT_LT((ours.box.max() - theirs.box.max()).norm(), 1e-6) << name;
   }
 }
 

@@ -73,7 +73,7 @@ TEST(ConvexHull, ClimbsToTheFurthestOfManyVertices) {
       for (Vector3d& p : points) p = (8 * p).array().round() / 8;  // Many in common planes.
     }
     const Shape shape = *Shape::convex(points);
-    for (int k = 0; k < 3000; ++k) {
+    for (int k = 0; k < 1500; ++k) {
       const Vector3d n = k % 3 == 0 ? Vector3d(Vector3d::Unit(k / 3 % 3)) : random_direction(rng);
       EXPECT_NEAR(n.dot(shape.support(n)), furthest(points, n), 1e-14);
     }
@@ -132,7 +132,7 @@ TEST(Convex, AgreesWithTheClosedFormsOfBoxes) {
   double worst_apart = 0, worst_deep = 0;
   for (const Draw draw : kDraws) {
     for (const CoreType type : kCoreTypes) {
-      for (int i = 0; i < 150; ++i) {
+      for (int i = 0; i < 60; ++i) {
         const double spread = i % 2 ? 0.3 : 0.8;
         const CoreType flat = i % 5 == 0 ? CoreType::kRectangle : CoreType::kBox;
         const Shape box = random_shape(rng, flat, draw, spread);
