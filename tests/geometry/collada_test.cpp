@@ -94,26 +94,30 @@ Measure measure(const TriangleMesh& mesh) {
   return all;
 }
 
-Measure measured_by_assimp(const std::filesystem::path& file) {
-  Assimp::Importer importer;
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
-                              aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene =
-      importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_PreTransformVertices |
-                                           aiProcess_SortByPType);
-  Measure all;
-  if (!scene) return all;
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-    const aiMesh& part = *scene->mMeshes[m];
+void measure_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& X_WP, Measure& all) {
+  const aiMatrix4x4 X_WN = X_WP * node.mTransformation;
+  for (unsigned m = 0; m < node.mNumMeshes; ++m) {
+    const aiMesh& part = *scene.mMeshes[node.mMeshes[m]];
     for (unsigned f = 0; f < part.mNumFaces; ++f) {
       const auto at = [&](unsigned k) {
-        const aiVector3D& p = part.mVertices[part.mFaces[f].mIndices[k]];
+        const aiVector3D p = X_WN * part.mVertices[part.mFaces[f].mIndices[k]];
         return Vector3d(p.x, p.y, p.z);
       };
-      all.add(at(0), at(1), at(2));
+      if (part.mFaces[f].mNumIndices == 3) all.add(at(0), at(1), at(2));
     }
   }
+  for (unsigned i = 0; i < node.mNumChildren; ++i) {
+    measure_node(scene, *node.mChildren[i], X_WN, all);
+  }
+}
+
+/// Placed by this test: assimp's own step leaves out what moves by less than a centimetre.
+Measure measured_by_assimp(const std::filesystem::path& file) {
+  Assimp::Importer importer;
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
+  Measure all;
+  if (scene) measure_node(*scene, *scene->mRootNode, aiMatrix4x4(), all);
   return all;
 }
 
