@@ -188,6 +188,19 @@ TEST_P(EveryType, VolumeMatchesSampling) {
 INSTANTIATE_TEST_SUITE_P(Shape, EveryType, testing::ValuesIn(kCoreTypes),
                          [](const auto& instance) { return to_string(instance.param); });
 
+TEST(Shape, ACylindersEndIsNoFurtherThanItsLength) {
+  // Directions along the axis leave rounding across it, which must not count as a direction.
+  Rng rng(8);
+  for (int n = 0; n < 5000; ++n) {
+    const double length = rng.uniform(0.01, 2), radius = rng.uniform(0.01, 1);
+    const Shape upright = *Shape::cylinder(Isometry3d::Identity(), radius, length);
+    for (double sign : {-1.0, 1.0}) {
+      const Vector3d along(0, 0, sign * rng.uniform(0.1, 10));
+      EXPECT_NEAR(sign * upright.support(along).z(), length / 2, 1e-14);
+    }
+  }
+}
+
 TEST(Shape, VolumeInClosedForm) {
   const Isometry3d I = Isometry3d::Identity();
   EXPECT_NEAR(Shape::sphere(kOrigin, 2)->volume(), 4.0 / 3 * M_PI * 8, 1e-12);

@@ -85,7 +85,7 @@ TEST(BenchJson, CountsRunsAndMeasuresSuccessesOnly) {
   EXPECT_EQ(j["workcell"], "gearbox");
   EXPECT_EQ(j["preset"], "paper");
   EXPECT_EQ(j["strategy"], "centralized");
-  EXPECT_EQ(j["plpp"], false);
+  EXPECT_EQ(j["plpp"], true);
   EXPECT_EQ(j["cycles"], 3);
   EXPECT_EQ(j["queries"], 6);
   EXPECT_EQ(j["success"], 3);

@@ -58,11 +58,11 @@ Result<std::vector<LinkFit>> fit_links(
   const auto chosen = selected(model, links);
   if (!chosen) return std::unexpected(chosen.error());
   const std::size_t count = chosen->size();
-  // The link with equal geometry that comes first.
+  // The link with equal geometry that comes first; meshes that were not found equal nothing.
   std::vector<std::size_t> first(count);
   std::size_t left = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    while (!is_equal(*(*chosen)[first[i]], *(*chosen)[i])) ++first[i];
+    while (first[i] < i && !is_equal(*(*chosen)[first[i]], *(*chosen)[i])) ++first[i];
     left += first[i] == i;
   }
   std::vector<LinkFit> fits;

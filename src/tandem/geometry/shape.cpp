@@ -207,7 +207,10 @@ Vector3d Shape::support(const Vector3d& direction) const {
       across -= axis * (inverse_squares_[0] * axis.dot(across));
       const double length = across.norm();
       const Vector3d end = c_ + side(0) * axis;
-      return length > 0 ? Vector3d(end + core_radius_ / length * across) : end;
+      // What is left of a direction along the axis is noise, and may point along it.
+      constexpr double kNoise = 1e-15;
+      return length > kNoise * direction.norm() ? Vector3d(end + core_radius_ / length * across)
+                                                : end;
     }
     case CoreType::kConvex: {
       const int i = hull_->support(u_.transpose() * direction);
