@@ -12,7 +12,7 @@ inline void check_shape(const geometry::Shape& shape) {
   require(shape.origin().allFinite() && shape.extents().allFinite(), "shapes are finite");
   require(std::isfinite(shape.radius()) && shape.radius() >= 0, "radii are not negative");
   require(shape.inverse_squares().allFinite(), "extents can be projected on");
-  require(shape.volume() >= 0, "volumes are numbers");  // A tiny one is rounded to 0.
+  require(std::isfinite(shape.volume()) && shape.volume() > 0, "shapes have a volume");
 }
 
 }  // namespace tandem::fuzz

@@ -207,6 +207,32 @@ TEST(ReadMesh, RefusesHostileHeadersAtOnce) {
   expect_refused(ply("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"), {"end"});
 }
 
+TEST(ReadMesh, ReadsTheFacesOfAnObj) {
+  const TemporaryFolder folder;
+  const std::string corners = "v 0 0 0 1\nv 1 0 0\r\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0\n";
+  const auto read = [&](const std::string& faces) {
+    return read_mesh(folder.write("a.obj", faces + corners));
+  };
+  for (const char* faces : {"f 1 2 3 4\n", "f 1/7 2//9 3/7/9 4 # all\n", "f 1 2 \\\n 3 4\n",
+                            "# one\nvn 0 0 1\ng a b\nf 1 2 3\nf 1 3 4\nl 1 2\n"}) {
+    const auto mesh = read(faces);
+    ASSERT_TRUE(mesh) << mesh.error().message;
+    EXPECT_EQ(mesh->triangles.size(), 2u) << faces;
+    EXPECT_EQ(mesh->vertices.size(), 4u) << faces;
+  }
+  const auto relative = read_mesh(folder.write("b.obj", corners + "f -4 -3 -2 -1\n"));
+  ASSERT_TRUE(relative) << relative.error().message;
+  EXPECT_EQ(relative->triangles.size(), 2u);
+  const auto obj = [&](const std::string& faces) { return folder.write("c.obj", faces + corners); };
+  expect_refused(obj("\nf 1 2 5\n"), {"line 2", "vertex 5", "only 4"});
+  expect_refused(obj("f 1 2\n"), {"line 1", "three vertices"});
+  expect_refused(obj("f 1`2 3 4\n"), {"'1`2'"});
+  expect_refused(obj("f 0 1 2\n"), {"'0'"});
+  expect_refused(obj("f -1 1 2\n"), {"'-1'"});
+  expect_refused(obj("f 1 2 4294967297\n"), {"'4294967297'"});
+  expect_refused(obj("v 1 2\n"), {"line 1", "''"});
+}
+
 TEST(ReadMesh, RefusesWhatItCannotUse) {
   const TemporaryFolder folder;
   expect_refused("/nowhere/a.stl", {"not exist"});

@@ -209,5 +209,24 @@ TEST(Shape, VolumeInClosedForm) {
   EXPECT_NEAR(Shape::cylinder(I, 2, 3)->volume(), 12 * M_PI, 1e-12);
 }
 
+// Beyond this, squares and products of lengths would overflow, and distances with them.
+TEST(Shape, RefusesLengthsWithoutMeaning) {
+  const Vector3d o = Vector3d::Zero(), far(0, 1e51, 0);
+  Isometry3d X = Isometry3d::Identity();
+  EXPECT_TRUE(Shape::sphere(o, 1e50));
+  EXPECT_TRUE(Shape::box(X, Vector3d(1e-50, 1, 1)));
+  EXPECT_FALSE(Shape::sphere(o, 1e51));
+  EXPECT_FALSE(Shape::sphere(o, 1e-320));
+  EXPECT_FALSE(Shape::sphere(far, 1));
+  EXPECT_FALSE(Shape::capsule(o, far, 1));
+  EXPECT_FALSE(Shape::rounded_triangle(-far, far, o, 1));
+  EXPECT_FALSE(Shape::box(X, Vector3d(1, 1, 1e-200)));
+  EXPECT_FALSE(Shape::box(X, Vector3d(1, 1, 1), 1e51));
+  EXPECT_FALSE(Shape::cylinder(X, 1, 1e51));
+  EXPECT_FALSE(Shape::convex(std::vector<Vector3d>{o, far, Vector3d(1, 0, 0), Vector3d(0, 0, 1)}));
+  X.translation() = far;
+  EXPECT_FALSE(Shape::box(X, Vector3d(1, 1, 1)));
+}
+
 }  // namespace
 }  // namespace tandem::geometry

@@ -120,7 +120,7 @@ TEST(JointLimits, RejectMalformedFiles) {
       {"no YAML", "  turn: {max_velocity: 1\n", {"not well-formed"}},
       {"tab", "  turn:\n\t\tmax_velocity: 1\n", {"limits.yaml:3:15: not well-formed"}},
       {"column", "  turn: {max_jerk: 2, max_velocity: -1}\n", {"limits.yaml:2:37: joint 'turn'"}},
-      {"two documents", "  turn: {}\n---\njoint_limits: {}\n", {":4:1:", "second document"}},
+      {"two documents", "  turn: {}\n---\njoint_limits: {}\n", {":3:1:", "second document"}},
       {"an anchor in itself", "  turn: &a {max_jerk: *a}\n", {"limits.yaml:2:", "max_jerk"}},
       {"too deep",
        "  turn: " + std::string(10'000, '[') + "\n",
@@ -176,6 +176,9 @@ TEST(JointLimits, RejectFilesWithoutLimits) {
                {"limits.yaml", "joint_limits"});
   expect_error(parse_joint_limits("joint_limits: {}\njoints: {}\n", "limits.yaml", model),
                ErrorCode::kInvalidInput, {"limits.yaml:2", "'joints'"});
+  // From this, YAML's parser takes empty documents without end.
+  expect_error(parse_joint_limits(", a\njoint_limits: {}\n", "limits.yaml", model),
+               ErrorCode::kInvalidInput, {"limits.yaml"});
   expect_error(overlay_joint_limits("/no/such.yaml", model), ErrorCode::kNotFound,
                {"/no/such.yaml"});
 }

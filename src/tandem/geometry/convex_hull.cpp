@@ -12,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "tandem/geometry/magnitude.h"
 #include "tandem/geometry/polytope.h"
 
 namespace tandem::geometry {
@@ -281,8 +282,9 @@ int ConvexHull::support(const Vector3d& direction) const {
 Result<HullPoints> convex_hull(std::span<const Vector3d> points) {
   if (points.empty()) return fail(ErrorCode::kInvalidInput, "a convex hull needs a point");
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points[i].allFinite()) continue;
-    return fail(ErrorCode::kInvalidInput, "point " + std::to_string(i) + " is not finite");
+    if (points[i].allFinite() && points[i].cwiseAbs().maxCoeff() <= detail::kLargest) continue;
+    return fail(ErrorCode::kInvalidInput,
+                "point " + std::to_string(i) + " is not finite, or beyond 1e50 m");
   }
   const Extent extent = extent_of(points);
   HullPoints result{extent.dimension, extent.end_a, extent.end_b, mean_of(points), {}};

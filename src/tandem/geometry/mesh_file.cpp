@@ -11,6 +11,7 @@
 
 #include "tandem/geometry/collada.h"
 #include "tandem/geometry/file_bytes.h"
+#include "tandem/geometry/obj.h"
 #include "tandem/geometry/ply.h"
 
 namespace tandem::geometry {
@@ -124,6 +125,7 @@ Result<TriangleMesh> parse(const std::string& bytes, const Path& file) {
     if (!ply) return std::unexpected(ply.error());
     return TriangleMesh{std::move(ply->vertices), std::move(ply->triangles)};
   }
+  if (type == ".obj") return detail::parse_obj(bytes, file);
   if (type == ".dae") return detail::parse_collada(bytes, file);
   if (type == ".stl") {
     if (auto checked = check_stl(bytes, file); !checked) return std::unexpected(checked.error());

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "tandem/core/contract.h"
+#include "tandem/geometry/magnitude.h"
 
 namespace tandem::geometry {
 
@@ -14,6 +15,7 @@ using Eigen::Isometry3d, Eigen::Matrix3d, Eigen::Vector2d, Eigen::Vector3d;
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+using detail::kLargest, detail::kSmallest;
 
 /// Collects the first complaint about the arguments of one factory.
 class Arguments {
@@ -21,18 +23,22 @@ class Arguments {
   explicit Arguments(const char* shape) : shape_(shape) {}
 
   Arguments& finite(const char* name, const Eigen::Ref<const Eigen::VectorXd>& value) {
-    return require(value.allFinite(), name, value.transpose(), "must be finite");
+    require(value.allFinite(), name, value.transpose(), "must be finite");
+    return require((value.array().abs() <= kLargest).all(), name, value.transpose(),
+                   "must be at most 1e50 m");
   }
   Arguments& positive(const char* name, const Eigen::Ref<const Eigen::VectorXd>& value) {
-    return require(value.allFinite() && (value.array() > 0).all(), name, value.transpose(),
-                   "must be finite and > 0, or the shape has no volume");
+    require(value.allFinite() && (value.array() > 0).all(), name, value.transpose(),
+            "must be finite and > 0, or the shape has no volume");
+    return require((value.array() >= kSmallest && value.array() <= kLargest).all(), name,
+                   value.transpose(), "must lie between 1e-50 m and 1e50 m");
   }
   Arguments& positive(const char* name, double value) {
-    return require(std::isfinite(value) && value > 0, name, value,
-                   "must be finite and > 0, or the shape has no volume");
+    return positive(name, Eigen::Matrix<double, 1, 1>(value));
   }
   Arguments& not_negative(const char* name, double value) {
-    return require(std::isfinite(value) && value >= 0, name, value, "must be finite and >= 0");
+    require(std::isfinite(value) && value >= 0, name, value, "must be finite and >= 0");
+    return require(value <= kLargest, name, value, "must be at most 1e50 m");
   }
   Arguments& rigid(const Isometry3d& X_FC) {
     constexpr double kLoose = 1e-6;  // [-] What rounded-off input may miss orthonormality by.

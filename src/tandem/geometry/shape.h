@@ -34,8 +34,8 @@ const char* to_string(CoreType type);
 class Shape {
  public:
   /// @param p_FC  centre from Fo, expressed in F [m].   @param radius [m], > 0.
-  /// Every factory: kInvalidInput with the offending value if one is not finite, a radius is
-  /// negative, a pose is not rigid, or the shape would have no volume. P = Q is a valid capsule.
+  /// Every factory: kInvalidInput with the value if one is not finite or beyond 1e50 m, a radius is
+  /// negative, a pose not rigid, or there is no volume (sizes < 1e-50 m). P = Q is a valid capsule.
   static Result<Shape> sphere(const Eigen::Vector3d& p_FC, double radius);
   static Result<Shape> capsule(const Eigen::Vector3d& p_FP, const Eigen::Vector3d& p_FQ,
                                double radius);

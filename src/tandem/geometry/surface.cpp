@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "tandem/core/contract.h"
+#include "tandem/geometry/magnitude.h"
 #include "tandem/geometry/polytope.h"
 
 namespace tandem::geometry {
@@ -24,11 +25,14 @@ const Vector3d& at(const std::vector<Vector3d>& vertices, int i) {
 
 /// @return what is wrong with the arguments, or nothing.
 std::string complaint_of(const std::vector<Vector3d>& vertices, double radius) {
-  if (!(std::isfinite(radius) && radius >= 0)) {
-    return "radius is " + std::to_string(radius) + ", must be finite and >= 0";
+  if (!(radius >= 0 && radius <= detail::kLargest)) {
+    return "radius is " + std::to_string(radius) + ", must be finite and >= 0, at most 1e50 m";
   }
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (!vertices[i].allFinite()) return "vertex " + std::to_string(i) + " is not finite";
+    if (vertices[i].cwiseAbs().maxCoeff() > detail::kLargest) {
+      return "vertex " + std::to_string(i) + " is beyond 1e50 m";
+    }
   }
   return {};
 }

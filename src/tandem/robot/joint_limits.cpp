@@ -1,11 +1,14 @@
 #include "tandem/robot/joint_limits.h"
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <set>
+#include <sstream>
 #include <utility>
 
 #include "tandem/core/file.h"
@@ -117,6 +120,37 @@ void overlay_position(const Entry& entry, const Joint& joint, JointLimits& limit
   }
 }
 
+/// Notes where a document begins.
+class DocumentMark final : public YAML::EventHandler {
+ public:
+  YAML::Mark mark;
+
+  void OnDocumentStart(const YAML::Mark& at) override { mark = at; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+};
+
+/// Where a second document begins, if one does. No more are looked for: from some texts, such as
+/// ", a", the parser takes empty documents without end.
+std::optional<YAML::Mark> second_document(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentMark document;
+  if (!parser.HandleNextDocument(document) || !parser.HandleNextDocument(document)) {
+    return std::nullopt;
+  }
+  return document.mark;
+}
+
 std::vector<std::string> joint_names(const Model& model) {
   std::vector<std::string> names;
   for (const Joint& joint : model.joints()) names.push_back(joint.name);
@@ -184,12 +218,11 @@ Result<void> overlay_joint_limits(const std::filesystem::path& file, Model& mode
 
 Result<void> parse_joint_limits(const std::string& text, const std::string& origin, Model& model) {
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) {
-      return fail(ErrorCode::kInvalidInput, origin + place(documents[1].Mark()) +
-                                                ": a second document begins; keep one per file");
+    if (const auto second = second_document(text)) {
+      return fail(ErrorCode::kInvalidInput,
+                  origin + place(*second) + ": a second document begins; keep one per file");
     }
-    const YAML::Node root = documents.empty() ? YAML::Node() : documents[0];
+    const YAML::Node root = YAML::Load(text);
     for (const auto& [joint, limits] : read_overlay(root, origin, model)) {
       model.set_limits(joint, limits);
     }

@@ -75,7 +75,7 @@ JointLimits read_limits(const XmlElement& element, JointType type) {
     limits.lower = limit->number("lower", 0);
     limits.upper = limit->number("upper", 0);
     if (limits.lower > limits.upper) {
-      limit->fail("lower=\"" + *limit->attribute("lower") + "\" is above upper=\"" +
+      limit->fail("lower=\"" + limit->attribute("lower").value_or("0") + "\" is above upper=\"" +
                   limit->attribute("upper").value_or("0") + "\"");
     }
   }
