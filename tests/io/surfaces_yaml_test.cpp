@@ -257,6 +257,27 @@ TEST_F(SurfaceCell, PathsMayBeginWithAVariable) {
   unsetenv("TANDEM_TEST_FOLDER");
 }
 
+// In a shell, TANDEM_TEST_FOLDER=data means ./data, wherever the cell's file is.
+TEST_F(SurfaceCell, RelativeVariablesAreRelativeToTheCurrentFolder) {
+  folder_.write("run/elsewhere/other.obj", tetrahedron_obj(2));
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder_ / "run");
+  ASSERT_EQ(setenv("TANDEM_TEST_FOLDER", "elsewhere", 1), 0);
+  const auto below = obstacle("mesh: {file: $TANDEM_TEST_FOLDER/other.obj}");
+  ASSERT_EQ(setenv("TANDEM_TEST_FOLDER", "../packages/parts", 1), 0);
+  const auto beside = obstacle("mesh: {file: '${TANDEM_TEST_FOLDER}/meshes/tetra.obj'}");
+  ASSERT_EQ(setenv("TANDEM_TEST_FOLDER", "packages", 1), 0);
+  const auto missing = obstacle("mesh: {file: $TANDEM_TEST_FOLDER/parts/meshes/tetra.obj}");
+  unsetenv("TANDEM_TEST_FOLDER");
+  std::filesystem::current_path(before);
+  EXPECT_TRUE(below) << below.error().message;
+  EXPECT_TRUE(beside) << beside.error().message;
+  ASSERT_FALSE(missing) << "that is relative to the cell's file";
+  EXPECT_NE(missing.error().message.find((folder_ / "run/packages").string()), std::string::npos)
+      << missing.error().message;
+  EXPECT_NE(missing.error().message.find("current folder"), std::string::npos);
+}
+
 // The page that users read is the test's input: it cannot go stale.
 TEST_F(SurfaceCell, DocumentedPiecesAreRead) {
   folder_.write("parts/housing.stl", "");

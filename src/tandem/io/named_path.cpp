@@ -33,17 +33,21 @@ Result<std::string> expand_variable(const std::string& text) {
 
 fs::path NamedPaths::find(const YamlNode& node, bool folder) const {
   const std::string text = node.check(expand_variable(node.text()));
+  const bool variable = node.text().starts_with('$');
+  std::error_code ignored;
   fs::path path;
   if (text.find("://") != std::string::npos) {
     path = node.check(packages_.resolve(text, folder_));
   } else {
-    path = (folder_ / text).lexically_normal();
+    // A variable is set in a shell: what it says holds from the current folder, as for any program.
+    path = ((variable ? fs::current_path(ignored) : folder_) / text).lexically_normal();
   }
-  std::error_code ignored;
   if (!fs::exists(path, ignored)) {
-    node.refuse(node.label() + ": there is no '" + path.string() +
-                    "' (paths are relative to the file that names them)",
-                ErrorCode::kNotFound);
+    node.refuse(
+        node.label() + ": there is no '" + path.string() +
+            (variable ? "' (a relative value of a variable is relative to the current folder)"
+                      : "' (paths are relative to the file that names them)"),
+        ErrorCode::kNotFound);
   }
   if (fs::is_directory(path, ignored) != folder) {
     node.refuse(node.label() + ": '" + path.string() + "' is " +

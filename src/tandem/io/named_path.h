@@ -14,7 +14,8 @@ namespace tandem::io {
 Result<std::string> expand_variable(const std::string& text);
 
 /// Finds what the nodes of one file name: relative to the file's folder, absolute, in a package
-/// ("package://NAME/rest"), or below the folder in an environment variable ("$NAME/rest").
+/// ("package://NAME/rest"), or below the folder in an environment variable ("$NAME/rest"), which,
+/// if relative, is relative to the current folder.
 class NamedPaths {
  public:
   NamedPaths(std::filesystem::path folder, robot::PackagePath packages)
