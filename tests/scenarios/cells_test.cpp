@@ -146,6 +146,8 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, Cells,
                          ::testing::Values(Scenario{"shelf/workcell.yaml", ""},
                                            Scenario{"bins/workcell.yaml", ""},
                                            Scenario{"handover/workcell.yaml", ""},
+                                           Scenario{"shelf/fr3_duo.yaml", "robots/fr3_duo"},
+                                           Scenario{"bins/dual_ur5e.yaml", "robots/dual_ur5e"},
                                            Scenario{"handover/baxter.yaml", "robots/baxter_mbm"}),
                          [](const auto& scenario) {
                            std::string name = scenario.param.file;
