@@ -20,6 +20,7 @@ from pathlib import Path
 PART, PROGRAM, SOURCE = sys.argv[1], Path(sys.argv[2]).resolve(), Path(sys.argv[3]).resolve()
 CELL = SOURCE / "scenarios/gearbox/workcell.yaml"
 SMALL_CELL = SOURCE / "tests/viewer/cell/workcell.yaml"
+GUARDED = "TANDEM_PAGE_TEST_GUARDED"
 DURATION = 1.6  # [s] of the motion in the pictures.
 
 
@@ -89,5 +90,16 @@ def main():
         return browser_tests(Path(folder))
 
 
+def guarded():
+    """Runs the tests in a process group that ends with this process, however that ends."""
+    command = [sys.executable, __file__, *sys.argv[1:]]
+    environment = {**os.environ, GUARDED: "1"}
+    with subprocess.Popen(command, start_new_session=True, env=environment) as tests:
+        # The group is killed when nobody can write to the guard any more.
+        guard = ["sh", "-c", 'read -r _; kill -KILL -- "-$0" 2>/dev/null', str(tests.pid)]
+        with subprocess.Popen(guard, start_new_session=True, stdin=subprocess.PIPE):
+            return tests.wait()
+
+
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main() if GUARDED in os.environ else guarded())

@@ -39,11 +39,11 @@ class App {
   private pace = 0;
   private busy = false;
 
-  constructor(source: Source) {
+  constructor(source: Source, draft: boolean) {
     const { scene } = source;
     this.session = { scene, plan: null, motion: null, clearance: [] };
     document.documentElement.dataset.theme = this.theme;
-    this.view = new CellView(byId<HTMLCanvasElement>('stage'), scene, this.theme, () => this.invalidate());
+    this.view = new CellView(byId<HTMLCanvasElement>('stage'), scene, this.theme, draft, () => this.invalidate());
     this.q = [...scene.home];
     this.panels = [new JointPanel(scene, this.clock), new ClearancePanel(this.clock)];
     byId('charts').append(...this.panels.map((panel) => panel.element));
@@ -284,16 +284,16 @@ class App {
   }
 }
 
-/** "#t=0.5&paused": the time to show, and whether to stand still. */
-function readHash(): { t: number | null; paused: boolean } {
+/** "#t=0.5&paused&draft": the time to show, whether to stand still, and whether to draw coarsely. */
+function readHash(): { t: number | null; paused: boolean; draft: boolean } {
   const values = new URLSearchParams(location.hash.slice(1));
   const t = Number.parseFloat(values.get('t') ?? '');
-  return { t: Number.isFinite(t) ? t : null, paused: values.has('paused') };
+  return { t: Number.isFinite(t) ? t : null, paused: values.has('paused'), draft: values.has('draft') };
 }
 
 async function begin(): Promise<void> {
   const source = await openSource();
-  const app = new App(source);
+  const app = new App(source, readHash().draft);
   const { clock } = app;
   const follow = (first: boolean) => {
     const { t, paused } = readHash();

@@ -47,8 +47,8 @@ export class CellView {
   private view: View = 'home';
   private time = 0;
 
-  constructor(canvas: HTMLCanvasElement, readonly scene: SceneData, private theme: Theme, readonly changed: () => void) {
-    this.stage = new Stage(canvas, changed);
+  constructor(canvas: HTMLCanvasElement, readonly scene: SceneData, private theme: Theme, draft: boolean, readonly changed: () => void) {
+    this.stage = new Stage(canvas, draft, changed);
     this.kinematics = new Kinematics(scene);
     this.parts = new Parts(scene);
     this.materials = new Materials(theme);

@@ -39,8 +39,9 @@ export class Stage {
   private readonly grid: Mesh<PlaneGeometry, ShaderMaterial>;
   private readonly shade: Mesh<PlaneGeometry, ShadowMaterial>;
 
-  constructor(readonly canvas: HTMLCanvasElement, changed: () => void) {
-    this.renderer = makeRenderer(canvas);
+  /** @param draft  draws edges and shadows coarsely: a tenth of the work where no graphics hardware does it */
+  constructor(readonly canvas: HTMLCanvasElement, draft: boolean, changed: () => void) {
+    this.renderer = makeRenderer(canvas, !draft);
     this.renderer.toneMapping = NeutralToneMapping;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
@@ -63,7 +64,7 @@ export class Stage {
     room.dispose();
 
     this.sun.castShadow = true;
-    this.sun.shadow.mapSize.set(2048, 2048);
+    this.sun.shadow.mapSize.setScalar(draft ? 256 : 2048);
     this.sun.shadow.autoUpdate = false;  // Turning the camera moves no shadow.
     this.sun.shadow.radius = 3;
     this.sun.shadow.bias = -0.0004;
@@ -181,9 +182,9 @@ export class Stage {
   }
 }
 
-function makeRenderer(canvas: HTMLCanvasElement): WebGLRenderer {
+function makeRenderer(canvas: HTMLCanvasElement, antialias: boolean): WebGLRenderer {
   try {
-    return new WebGLRenderer({ canvas, antialias: true });
+    return new WebGLRenderer({ canvas, antialias });
   } catch {
     throw new Error('This browser does not draw in three dimensions: WebGL 2 is switched off or missing.');
   }

@@ -15,7 +15,7 @@ describe.skipIf(missing('TANDEM_PAGE'))('an exported page', { timeout: kPatience
   }
 
   beforeAll(async () => {
-    first = await open('#t=0.5&paused');
+    first = await open('#t=0.5&paused&draft');
   }, kPatience);
 
   afterEach(async () => {
@@ -90,11 +90,14 @@ describe.skipIf(missing('TANDEM_PAGE'))('an exported page', { timeout: kPatience
     const { tab } = first;
     const theme = () => tab.locator('html').getAttribute('data-theme');
     expect(await theme()).toBe('light');
-    await tab.keyboard.press('d');
-    expect(await theme()).toBe('dark');
-    await tab.emulateMedia({ colorScheme: 'dark' });
-    await tab.emulateMedia({ colorScheme: 'light' });
-    await tab.waitForFunction(() => document.documentElement.dataset.theme === 'light');
+    for (const other of ['dark', 'light']) {
+      await tab.keyboard.press('d');
+      expect(await theme()).toBe(other);
+    }
+    for (const colorScheme of ['dark', 'light'] as const) {
+      await tab.emulateMedia({ colorScheme });
+      await tab.waitForFunction((wanted) => document.documentElement.dataset.theme === wanted, colorScheme);
+    }
   });
 
   it('explains its keys', async () => {
@@ -127,7 +130,7 @@ describe.skipIf(missing('TANDEM_PAGE'))('an exported page', { timeout: kPatience
   });
 
   it('plays by itself in the dark, pauses, goes on, and spends little time of its own', async () => {
-    const { tab } = await open('', { colorScheme: 'dark' });
+    const { tab } = await open('#draft', { colorScheme: 'dark' });
     expect(await tab.locator('html').getAttribute('data-theme')).toBe('dark');
     await waitFor(tab, 0);
     await tab.keyboard.press('Space');
@@ -147,7 +150,7 @@ describe.skipIf(missing('TANDEM_PAGE'))('an exported page', { timeout: kPatience
 
   it('fits a phone in landscape', async () => {
     const [width, height] = [844, 390];
-    const { tab } = await open('#t=0.5&paused', { viewport: { width, height }, hasTouch: true, isMobile: true });
+    const { tab } = await open('#t=0.5&paused&draft', { viewport: { width, height }, hasTouch: true, isMobile: true });
     expect(await tab.locator('#side').isVisible()).toBe(false);
     expect(await tab.locator('#charts').isVisible()).toBe(false);
     const stage = (await tab.locator('#stage').boundingBox())!;

@@ -10,7 +10,7 @@ import { chromium, type Browser, type BrowserContextOptions, type Page } from 'p
 import { afterAll, beforeAll, expect } from 'vitest';
 import type { PageData } from '../../src/types';
 
-export const kPatience = 300_000;  // [ms] A machine may be busy; a test that hangs is rare.
+export const kPatience = 120_000;  // [ms] A machine may be busy; a test that hangs is rare.
 
 const chrome = process.env.CHROMIUM ?? '/usr/bin/chromium';
 const noBrowser = existsSync(chrome) ? '' : `there is no browser at ${chrome}`;

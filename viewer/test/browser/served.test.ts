@@ -9,7 +9,7 @@ describe.skipIf(missing('TANDEM_URL'))('a served page', { timeout: kPatience }, 
   let page: Watched;
 
   beforeAll(async () => {
-    page = await pages.served('#paused');
+    page = await pages.served('#paused&draft');
   }, kPatience);
   afterEach(() => expect(page.complaints.splice(0)).toEqual([]));
 
