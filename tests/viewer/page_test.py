@@ -96,7 +96,7 @@ def guarded():
     environment = {**os.environ, GUARDED: "1"}
     with subprocess.Popen(command, start_new_session=True, env=environment) as tests:
         # The group is killed when nobody can write to the guard any more.
-        guard = ["sh", "-c", 'read -r _; kill -KILL -- "-$0" 2>/dev/null', str(tests.pid)]
+        guard = ["sh", "-c", 'read -r _; kill -KILL "-$0" 2>/dev/null', str(tests.pid)]
         with subprocess.Popen(guard, start_new_session=True, stdin=subprocess.PIPE):
             return tests.wait()
 
