@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "small_cell.h"
@@ -173,6 +175,56 @@ TEST(Scene, JointsHaveTheirLimitsAndNullForNone) {
   EXPECT_EQ(scene.at("queries"), json({"cross", "back"}));
   EXPECT_EQ(scene.at("arms").at(1).at("first"), 4);
   EXPECT_EQ(scene.at("arms").at(1).at("dof"), 4);
+}
+
+/// What a page reads out of base64.
+template <class Number>
+std::vector<Number> numbers_of(const std::string& text) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  unsigned bits = 0;
+  int count = 0;
+  for (const char c : text.substr(0, text.find('='))) {
+    bits = bits << 6 | static_cast<unsigned>(digits.find(c));
+    count += 6;
+    if (count < 8) continue;
+    count -= 8;
+    bytes += static_cast<char>(bits >> count & 255);
+  }
+  std::vector<Number> numbers(bytes.size() / sizeof(Number));
+  std::memcpy(numbers.data(), bytes.data(), numbers.size() * sizeof(Number));
+  return numbers;
+}
+
+TEST(Scene, SurfacesAreTypedArrays) {
+  const std::vector<Eigen::Vector3d> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0.25}, {-3, 0.1, 7}};
+  const std::vector<std::array<int, 3>> triangles = {{0, 1, 2}, {3, 2, 1}};
+  Eigen::Isometry3d X_WS = Eigen::Isometry3d::Identity();
+  X_WS.translation() = Eigen::Vector3d(4, 5, 6);
+  X_WS.linear() = Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  world::WorkcellSpec spec = test::small_cell_spec();
+  spec.obstacles.push_back({"scan", {}});
+  spec.obstacles.back().surfaces_W = {{*geometry::Surface::mesh(points, triangles, 0.01), X_WS},
+                                      {*geometry::Surface::cloud(points, 0.02), X_WS}};
+  const auto cell = world::Workcell::make(std::move(spec));
+  ASSERT_TRUE(cell) << cell.error().message;
+  const json scene = json::parse(describe_scene(**cell).json);
+  const json& surfaces = scene.at("bodies").back().at("surfaces");
+  ASSERT_EQ(surfaces.size(), 2U);
+  for (const json& surface : surfaces) {
+    EXPECT_LT((pose_of(surface.at("pose")).matrix() - X_WS.matrix()).norm(), 1e-12);
+    const auto vertices = numbers_of<float>(surface.at("vertices"));
+    ASSERT_EQ(vertices.size(), 12U);
+    for (std::size_t i = 0; i < 12; ++i) {
+      EXPECT_EQ(vertices[i], static_cast<float>(points[i / 3][static_cast<Eigen::Index>(i % 3)]));
+    }
+  }
+  EXPECT_EQ(surfaces.at(0).at("radius"), 0.01);
+  EXPECT_EQ(numbers_of<std::uint32_t>(surfaces.at(0).at("triangles")),
+            (std::vector<std::uint32_t>{0, 1, 2, 3, 2, 1}));
+  EXPECT_EQ(surfaces.at(1).at("radius"), 0.02);
+  EXPECT_FALSE(surfaces.at(1).contains("triangles"));
+  EXPECT_TRUE(scene.at("bodies").at(0).at("surfaces").empty());
 }
 
 Eigen::VectorXd home_of(const Cell& cell) {
