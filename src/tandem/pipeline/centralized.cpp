@@ -35,8 +35,8 @@ Result<Plan> plan_centralized(const collision::SsvChecker& checker, const Resolv
   const world::PairSelection selection = cell.select(world::PairScope::all());
   const Modules modules = make_modules(options.preset, checker, selection, stop);
   const auto finished = [&](motion::CellMotion motion) {
-    return Plan{ends.name,    options.strategy, options.preset,    options.seed,
-                options.plpp, ends,             std::move(motion), report};
+    return Plan{ends.name, options.strategy,  options.preset, options.seed, options.plpp,
+                ends,      std::move(motion), report};
   };
   if ((ends.goal - ends.start).cwiseAbs().maxCoeff() < kSamePlace) {
     report.arms.resize(cell.arms().size());

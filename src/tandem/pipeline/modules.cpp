@@ -1,7 +1,7 @@
 #include "tandem/pipeline/modules.h"
 
+#include "tandem/planning/composite.h"
 #include "tandem/planning/ompl/ompl_planning.h"
-#include "tandem/planning/rrt_connect.h"
 #include "tandem/planning/simplifier.h"
 #include "tandem/shortening/nlopt/slsqp_shortener.h"
 #include "tandem/trajectory/nlopt/slsqp_time_optimizer.h"
@@ -27,10 +27,10 @@ Modules make_modules(Preset preset, const collision::SsvChecker& checker,
   Modules modules;
   switch (preset) {
     case Preset::kDefault:
-      modules.planner = planning::make_rrt_connect();
+      modules.planner = planning::make_composite_planner();
       modules.simplifier = planning::make_simplifier();
       modules.batch = std::make_unique<collision::BatchChecker>(checker);
-      modules.validity = planning::make_batch_validity(*modules.batch, selection, stop);
+      modules.validity = planning::make_batch_validity_by_arm(*modules.batch, stop);
       modules.shortener = shortening::make_structured_shortener();
       modules.timing = trajectory::make_barrier_optimizer();
       modules.repair = true;

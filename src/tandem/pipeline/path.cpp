@@ -91,10 +91,12 @@ Result<double> certify_path(const collision::SsvChecker& checker, const JointPat
   expects(path.size() >= 2, "a path has at least two waypoints");
   const world::PairSelection selection = checker.cell().select(world::PairScope::all());
   const auto scratch = checker.make_scratch();
+  // Planners prove edges down to a few micrometres of clearance; no less is asked here.
+  constexpr collision::CertificateOptions kFinest{.smallest_deviation = 1e-7, .clearance_ratio = 0};
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < path.size(); ++i) {
     const collision::Certificate certificate = collision::certify(
-        checker, motion::StraightEdge(path[i - 1], path[i]), selection, *scratch, {}, stop);
+        checker, motion::StraightEdge(path[i - 1], path[i]), selection, *scratch, kFinest, stop);
     if (certificate.stopped) return std::unexpected(stop.error("certificate of the path"));
     if (!certificate.is_free()) {
       return fail(ErrorCode::kCollision, refusal(checker.cell(), certificate, i, path.size() - 1));

@@ -159,7 +159,8 @@ Result<JointPath> Search::run(const StopCondition& stop) {
     return JointPath{problem_.start, problem_.goal};
   }
   VectorXd q;
-  for (int grown = 0;; grown = 1 - grown) {
+  int grown = 0;
+  for (long samples = 0; samples < options_.most_samples; ++samples, grown = 1 - grown) {
     if (stop()) return std::unexpected(stop.error("path planning"));
     if (options_.balanced) grown = trees_[0].size() <= trees_[1].size() ? 0 : 1;
     sample(q);
@@ -170,13 +171,16 @@ Result<JointPath> Search::run(const StopCondition& stop) {
     if (met < 0) continue;
     return without_duplicates(grown == 0 ? joined(node, met) : joined(met, node));
   }
+  return fail(ErrorCode::kNoPath, "path planning: none found with " +
+                                      std::to_string(options_.most_samples) + " samples");
 }
 
 class RrtConnect final : public PathPlanner {
  public:
   explicit RrtConnect(const RrtConnectOptions& options) : options_(options) {
-    expects(options.range > 0 && options.local_radius > 0 && options.domain_radius > 0,
-            "range and radii are positive");
+    expects(options.range > 0 && options.local_radius > 0 && options.domain_radius > 0 &&
+                options.most_samples > 0,
+            "range, radii and the number of samples are positive");
     expects(options.local_fraction >= 0 && options.local_fraction < 1,
             "some samples are drawn everywhere");
   }

@@ -17,6 +17,8 @@ struct RrtConnectOptions {
   /// Nodes that failed to extend are only extended towards samples nearer than this many ranges,
   /// > 0; infinity: all are. Ref: Yershova et al., Dynamic-Domain RRTs (2005).
   double domain_radius = std::numeric_limits<double>::infinity();
+  /// Gives up (kNoPath) after so many samples, > 0; by default it searches until it is stopped.
+  long most_samples = std::numeric_limits<long>::max();
 };
 
 /// Grows a tree from either end; a new node of one is connected to by the other, step by step. The

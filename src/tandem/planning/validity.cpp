@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "tandem/core/contract.h"
 
@@ -106,32 +107,61 @@ class CertifiedValidity final : public CheckerValidity {
 
 class BatchValidity final : public Validity {
  public:
+  /// @param stats  shared by the parts of one question.
   BatchValidity(const collision::BatchChecker& checker, const world::PairSelection& selection,
-                StopCondition stop)
+                StopCondition stop, std::shared_ptr<ValidityStats> stats)
       : checker_(checker),
         pairs_(checker.compile(selection)),
         scratch_(checker.make_scratch()),
-        stop_(std::move(stop)) {}
+        stop_(std::move(stop)),
+        stats_(std::move(stats)) {}
 
   bool state(const Eigen::VectorXd& q) override {
-    const Timer timer(stats_.seconds);
-    ++stats_.states;
+    const Timer timer(stats_->seconds);
+    ++stats_->states;
     return checker_.are_free(q, *pairs_, *scratch_);
   }
   bool edge(const Eigen::VectorXd& a, const Eigen::VectorXd& b) override {
-    const Timer timer(stats_.seconds);
-    ++stats_.edges;
+    const Timer timer(stats_->seconds);
+    ++stats_->edges;
     return checker_.is_edge_free(a, b, *pairs_, *scratch_, stop_);
   }
-  const ValidityStats& stats() const override { return stats_; }
+  const ValidityStats& stats() const override { return *stats_; }
+  /// Made when first asked for: most queries are answered without.
+  ArmQuestions* by_arm() override {
+    if (!splits_) return nullptr;
+    if (!by_arm_) split();
+    return &*by_arm_;
+  }
+  void allow_split() { splits_ = true; }
 
  private:
+  void split();
+
   const collision::BatchChecker& checker_;
   const collision::BatchChecker::Pairs pairs_;
   const collision::BatchChecker::ScratchPtr scratch_;
   StopCondition stop_;
-  ValidityStats stats_;
+  std::shared_ptr<ValidityStats> stats_;
+  bool splits_ = false;
+  std::optional<ArmQuestions> by_arm_;
 };
+
+/// Makes the questions by arm.
+void BatchValidity::split() {
+  const world::Workcell& cell = checker_.cell();
+  const auto part = [&](const world::PairSelection& selection) {
+    return std::make_unique<BatchValidity>(checker_, selection, stop_, stats_);
+  };
+  by_arm_.emplace();
+  world::PairSelection rest = cell.select(world::PairScope::all());
+  for (std::size_t i = 0; i < cell.arms().size(); ++i) {
+    const world::PairSelection own = cell.select(world::PairScope::arm(static_cast<int>(i)));
+    by_arm_->arms.push_back({cell.arms()[i].offset, cell.arms()[i].dof(), part(own)});
+    std::erase_if(rest, [&](int pair) { return std::ranges::find(own, pair) != own.end(); });
+  }
+  by_arm_->between = part(rest);
+}
 
 }  // namespace
 
@@ -151,7 +181,17 @@ std::unique_ptr<Validity> make_certified_validity(const collision::SsvChecker& c
 std::unique_ptr<Validity> make_batch_validity(const collision::BatchChecker& checker,
                                               const world::PairSelection& selection,
                                               const StopCondition& stop) {
-  return std::make_unique<BatchValidity>(checker, selection, stop);
+  return std::make_unique<BatchValidity>(checker, selection, stop,
+                                         std::make_shared<ValidityStats>());
+}
+
+std::unique_ptr<Validity> make_batch_validity_by_arm(const collision::BatchChecker& checker,
+                                                     const StopCondition& stop) {
+  auto validity =
+      std::make_unique<BatchValidity>(checker, checker.cell().select(world::PairScope::all()), stop,
+                                      std::make_shared<ValidityStats>());
+  validity->allow_split();
+  return validity;
 }
 
 double l1_extent(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {

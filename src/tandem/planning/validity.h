@@ -17,6 +17,8 @@ struct ValidityStats {
   double seconds = 0;  ///< Wall time inside checks [s].
 };
 
+struct ArmQuestions;
+
 /// Validity of configurations and straight edges. One object per thread.
 class Validity {
  public:
@@ -25,6 +27,18 @@ class Validity {
   /// The edge between a and b, both ends included; the same answer for (b, a).
   virtual bool edge(const Eigen::VectorXd& a, const Eigen::VectorXd& b) = 0;
   virtual const ValidityStats& stats() const = 0;
+  /// The same questions by who moves; null where they cannot be split. Counted in stats().
+  virtual ArmQuestions* by_arm() { return nullptr; }
+};
+
+/// A configuration or edge is valid if every arm accepts it alone, and `between` does.
+struct ArmQuestions {
+  struct Arm {
+    Eigen::Index offset, dof;         ///< Its entries of q.
+    std::unique_ptr<Validity> alone;  ///< Does not depend on the other entries.
+  };
+  std::vector<Arm> arms;
+  std::unique_ptr<Validity> between;  ///< What takes two arms or more.
 };
 
 /// Checks an edge at points at most `resolution` apart in the sum of joint distances (L1) [rad].
@@ -44,6 +58,10 @@ std::unique_ptr<Validity> make_certified_validity(const collision::SsvChecker& c
 std::unique_ptr<Validity> make_batch_validity(const collision::BatchChecker& checker,
                                               const world::PairSelection& selection,
                                               const StopCondition& stop = {});
+
+/// The same for all pairs of the cell, with questions by arm.
+std::unique_ptr<Validity> make_batch_validity_by_arm(const collision::BatchChecker& checker,
+                                                     const StopCondition& stop = {});
 
 /// The paper's extent of a planning space: the sum of joint ranges, a joint without limits counted
 /// as one turn [rad]. Ref: "Planner Parameters".

@@ -1,0 +1,234 @@
+#include "tandem/planning/composite.h"
+
+#include <algorithm>
+#include <numeric>
+#include <optional>
+
+#include "tandem/core/contract.h"
+#include "tandem/core/rng.h"
+#include "tandem/planning/simplifier.h"
+
+namespace tandem::planning {
+
+using Eigen::Index, Eigen::VectorXd;
+using motion::JointPath;
+
+namespace {
+
+/// One arm's part of a question about all.
+class ArmValidity final : public Validity {
+ public:
+  ArmValidity(const ArmQuestions::Arm& arm, const VectorXd& others)
+      : arm_(arm), from_(others), to_(others) {}
+
+  bool state(const VectorXd& q) override {
+    from_.segment(arm_.offset, arm_.dof) = q;
+    return arm_.alone->state(from_);
+  }
+  bool edge(const VectorXd& a, const VectorXd& b) override {
+    from_.segment(arm_.offset, arm_.dof) = a;
+    to_.segment(arm_.offset, arm_.dof) = b;
+    return arm_.alone->edge(from_, to_);
+  }
+  const ValidityStats& stats() const override { return arm_.alone->stats(); }
+
+ private:
+  const ArmQuestions::Arm& arm_;
+  VectorXd from_, to_;
+};
+
+/// A path by the fraction s of its length, in [0, 1].
+class MeasuredPath {
+ public:
+  explicit MeasuredPath(JointPath path) : path_(std::move(path)), at_(path_.size(), 0.0) {
+    for (std::size_t i = 1; i < path_.size(); ++i) {
+      at_[i] = at_[i - 1] + (path_[i] - path_[i - 1]).norm();
+    }
+    const double length = at_.back();
+    for (double& s : at_) s = length > 0 ? s / length : 0;
+  }
+
+  /// Fractions at which the waypoints are.
+  const std::vector<double>& waypoints() const { return at_; }
+  VectorXd position(double s) const {
+    if (s <= 0) return path_.front();
+    if (s >= 1) return path_.back();
+    const auto next = std::ranges::upper_bound(at_, s);
+    if (next == at_.end()) return path_.back();
+    const auto i = static_cast<std::size_t>(next - at_.begin());
+    const double u = (s - at_[i - 1]) / (at_[i] - at_[i - 1]);
+    return path_[i - 1] + u * (path_[i] - path_[i - 1]);
+  }
+
+ private:
+  JointPath path_;
+  std::vector<double> at_;
+};
+
+/// The paths of all arms, and motions along them: places are one fraction per arm.
+class Coordination final : public Validity {
+ public:
+  Coordination(ArmQuestions& questions, std::vector<MeasuredPath> paths, Index dof)
+      : questions_(questions), paths_(std::move(paths)), dof_(dof) {}
+
+  Index arms() const { return static_cast<Index>(paths_.size()); }
+  VectorXd configuration(const VectorXd& places) const {
+    VectorXd q(dof_);
+    for (std::size_t i = 0; i < paths_.size(); ++i) {
+      const ArmQuestions::Arm& arm = questions_.arms[i];
+      q.segment(arm.offset, arm.dof) = paths_[i].position(places[static_cast<Index>(i)]);
+    }
+    return q;
+  }
+
+  /// Appends the configurations after `a` on the straight way to `b`: those with an arm at a
+  /// waypoint, and `b`.
+  void append(const VectorXd& a, const VectorXd& b, JointPath& path) const {
+    std::vector<double> parts{1.0};
+    for (std::size_t i = 0; i < paths_.size(); ++i) {
+      const double from = a[static_cast<Index>(i)], to = b[static_cast<Index>(i)];
+      if (from == to) continue;
+      for (double s : paths_[i].waypoints()) {
+        const double part = (s - from) / (to - from);
+        if (part > 0 && part < 1) parts.push_back(part);
+      }
+    }
+    std::ranges::sort(parts);
+    for (double part : parts) path.push_back(configuration(a + part * (b - a)));
+  }
+
+  bool state(const VectorXd& places) override {
+    return questions_.between->state(configuration(places));
+  }
+  /// Only what takes two arms: alone each of them is valid on its path.
+  bool edge(const VectorXd& a, const VectorXd& b) override {
+    JointPath path{configuration(a)};
+    append(a, b, path);
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      if (!questions_.between->edge(path[i - 1], path[i])) return false;
+    }
+    return true;
+  }
+  const ValidityStats& stats() const override { return questions_.between->stats(); }
+
+ private:
+  ArmQuestions& questions_;
+  std::vector<MeasuredPath> paths_;
+  Index dof_;
+};
+
+/// Orders in which arms may go one after the other: all of up to three, else its rotations.
+std::vector<std::vector<Index>> orders(Index arms) {
+  std::vector<Index> order(static_cast<std::size_t>(arms));
+  std::iota(order.begin(), order.end(), 0);
+  std::vector<std::vector<Index>> all;
+  if (arms <= 3) {
+    do all.push_back(order);
+    while (std::ranges::next_permutation(order).found);
+    return all;
+  }
+  for (Index k = 0; k < arms; ++k) {
+    all.push_back(order);
+    std::ranges::rotate(order, order.begin() + 1);
+  }
+  return all;
+}
+
+class CompositePlanner final : public PathPlanner {
+ public:
+  explicit CompositePlanner(const CompositeOptions& options)
+      : options_(options), everything_(make_rrt_connect(options.search)) {
+    expects(options.tries >= 0 && options.first_samples > 0 && options.arm_samples > 0 &&
+                options.coordination_samples > 0,
+            "tries are not negative, samples positive");
+    RrtConnectOptions search = options.search;
+    search.most_samples = options.first_samples;
+    first_ = make_rrt_connect(search);
+    search.most_samples = options.arm_samples;
+    arm_ = make_rrt_connect(search);
+    search.most_samples = options.coordination_samples;
+    search.range = 0.2;  // Of paths of length 1.
+    coordination_ = make_rrt_connect(search);
+  }
+
+  Result<JointPath> plan(const PathProblem& problem, Validity& validity, std::uint64_t seed,
+                         const StopCondition& stop) const override {
+    auto first = first_->plan(problem, validity, seed, stop);
+    if (first || first.error().code != ErrorCode::kNoPath) return first;
+    Rng rng(seed);
+    ArmQuestions* questions = validity.by_arm();
+    if (!questions || questions->arms.size() < 2) {
+      return everything_->plan(problem, validity, rng.split(), stop);
+    }
+    for (int k = 0; k < options_.tries && !stop(); ++k) {
+      const auto path = attempt(problem, validity, *questions, rng, stop);
+      if (path) return *path;
+    }
+    return everything_->plan(problem, validity, rng.split(), stop);
+  }
+
+ private:
+  /// One path per arm, coordinated; nothing if that fails.
+  std::optional<JointPath> attempt(const PathProblem& problem, Validity& validity,
+                                   ArmQuestions& questions, Rng& rng,
+                                   const StopCondition& stop) const {
+    std::vector<MeasuredPath> paths;
+    for (const ArmQuestions::Arm& arm : questions.arms) {
+      const auto part = [&](const VectorXd& q) { return VectorXd(q.segment(arm.offset, arm.dof)); };
+      const PathProblem own{part(problem.start), part(problem.goal), part(problem.lower),
+                            part(problem.upper)};
+      ArmValidity alone(arm, problem.start);
+      auto path = arm_->plan(own, alone, rng.split(), stop);
+      if (!path) return std::nullopt;
+      paths.emplace_back(simplifier_->simplify(own, std::move(*path), alone, rng.split(), stop));
+    }
+    Coordination coordination(questions, std::move(paths), problem.start.size());
+    const auto way = coordinate(coordination, rng, stop);
+    if (!way) return std::nullopt;
+    JointPath path{problem.start};
+    for (std::size_t i = 1; i < way->size(); ++i) {
+      coordination.append((*way)[i - 1], (*way)[i], path);
+    }
+    path.back() = problem.goal;
+    path = without_duplicates(path);
+    // Edges were judged in parts and as parts of longer ones.
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      if (!validity.edge(path[i - 1], path[i])) return std::nullopt;
+    }
+    return path;
+  }
+
+  /// Places from all arms at their starts to all at their goals.
+  std::optional<JointPath> coordinate(Coordination& coordination, Rng& rng,
+                                      const StopCondition& stop) const {
+    const Index arms = coordination.arms();
+    const VectorXd zero = VectorXd::Zero(arms), one = VectorXd::Ones(arms);
+    if (coordination.edge(zero, one)) return JointPath{zero, one};
+    for (const std::vector<Index>& order : orders(arms)) {
+      JointPath way{zero};
+      bool valid = true;
+      for (std::size_t k = 0; k < order.size() && valid; ++k) {
+        VectorXd next = way.back();
+        next[order[k]] = 1;
+        valid = coordination.edge(way.back(), next);
+        way.push_back(std::move(next));
+      }
+      if (valid) return way;
+    }
+    const auto found = coordination_->plan({zero, one, zero, one}, coordination, rng.split(), stop);
+    if (!found) return std::nullopt;
+    return *found;
+  }
+
+  CompositeOptions options_;
+  std::unique_ptr<PathPlanner> everything_, first_, arm_, coordination_;
+  std::unique_ptr<PathSimplifier> simplifier_ = make_simplifier();
+};
+
+}  // namespace
+
+std::unique_ptr<PathPlanner> make_composite_planner(const CompositeOptions& options) {
+  return std::make_unique<CompositePlanner>(options);
+}
+
+}  // namespace tandem::planning

@@ -1,0 +1,25 @@
+#pragma once
+/// Planning for several arms by planning each alone and coordinating their paths.
+
+#include "tandem/planning/rrt_connect.h"
+
+namespace tandem::planning {
+
+struct CompositeOptions {
+  RrtConnectOptions search = {};  ///< Of every search: one arm, coordination, all arms at once.
+  /// Samples of a first search with all arms at once: what is easy needs no splitting.
+  long first_samples = 50;
+  int tries = 6;            ///< Sets of paths, one per arm, that are coordinated, >= 0.
+  long arm_samples = 2000;  ///< Most samples per arm and try, > 0.
+  long coordination_samples = 200;
+};
+
+/// First a short search with all arms at once. Then, where validity.by_arm() splits the question, a
+/// path per arm against the world and itself, and, cheapest first, all arms at once, one after the
+/// other in some order, and a search in the space of the places on their paths. If no try succeeds,
+/// or the question does not split, RRT-Connect in the full space, which searches until it is
+/// stopped: so the planner stays probabilistically complete. Ref: docs/methods.md, "Composite
+/// planning".
+std::unique_ptr<PathPlanner> make_composite_planner(const CompositeOptions& options = {});
+
+}  // namespace tandem::planning
