@@ -49,19 +49,26 @@ std::string message_of(const world::Workcell& cell, const collision::Certificate
 /// cured like a collision.
 void find_overshoot(const world::Workcell& cell, const PiecewiseCubic& spline, int edge, double t0,
                     double t1, Findings& findings) {
-  constexpr int kSamples = 32;
-  Eigen::VectorXd q(spline.dof());
-  double worst = 0, worst_time = 0.5 * (t0 + t1);
+  constexpr double kTolerance = 1e-6;  // That of the limit check [rad or m].
+  double worst = kTolerance, worst_time = 0.5 * (t0 + t1);
   int joint = -1;
-  for (int i = 0; i <= kSamples; ++i) {
-    const double t = t0 + (t1 - t0) * i / kSamples;
-    spline.position(t, q);
-    const Eigen::VectorXd over = (q - cell.upper()).cwiseMax(cell.lower() - q);
-    Eigen::Index j = 0;
-    if (over.maxCoeff(&j) > worst) {
-      worst = over[j];
-      worst_time = t;
-      joint = static_cast<int>(j);
+  // Exact, as the limit check is: a peak between samples would be found there, where nothing cures
+  // it.
+  for (std::size_t k = 0; k + 1 < spline.knots().size(); ++k) {
+    const double begin = spline.knots()[k], h = spline.knots()[k + 1] - begin;
+    if (begin + h / 2 < t0 || begin + h / 2 > t1) continue;
+    for (int j = 0; j < spline.dof(); ++j) {
+      const auto c = spline.segments()[k].row(j);
+      const motion::StationaryPoints peaks = motion::stationary_points(c[1], c[2], c[3]);
+      for (const double peak : {0.0, h, peaks.s[0], peaks.s[1]}) {
+        const double s = std::clamp(peak, 0.0, h);
+        const double q = c[0] + s * (c[1] + s * (c[2] + s * c[3]));
+        const double over = std::max(q - cell.upper()[j], cell.lower()[j] - q);
+        if (over <= worst) continue;
+        worst = over;
+        worst_time = begin + s;
+        joint = j;
+      }
     }
   }
   if (joint < 0) return;
