@@ -8,7 +8,7 @@ namespace tandem::planning {
 struct CompositeOptions {
   RrtConnectOptions search = {};  ///< Of every search: one arm, coordination, all arms at once.
   /// Samples of a first search with all arms at once: what is easy needs no splitting.
-  long first_samples = 50;
+  long first_samples = 200;
   int tries = 6;            ///< Sets of paths, one per arm, that are coordinated, >= 0.
   long arm_samples = 2000;  ///< Most samples per arm and try, > 0.
   long coordination_samples = 200;
