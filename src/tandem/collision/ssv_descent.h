@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <type_traits>
 
 #include "tandem/collision/ssv_scratch.h"
 #include "tandem/geometry/distance.h"
@@ -78,6 +79,51 @@ class NodeBounds {
   Query& query_;
 };
 
+/// What is left out of a descent, and how near that is.
+template <class Query>
+struct Pruning {
+  const Query& query;
+  double limit;
+  double least = std::numeric_limits<double>::infinity();
+
+  bool operator()(const NearNodes& near) {
+    if (!((query.has_given_up() ? near.distance : near.lower) > limit)) return false;
+    least = std::min(least, near.lower);
+    return true;
+  }
+};
+
+/// For bodies of a few shapes: every leaf of the one that stands still, if any, against the whole
+/// other body and then against its leaves. Inner nodes over furniture, boards that stand apart, are
+/// large spheres that prune next to nothing.
+template <class Query>
+double visit_leaves(SsvScratch& scratch, const SsvPair& pair, double limit, Query& query) {
+  const SsvModel& model = scratch.model();
+  NodeBounds bounds(scratch, pair, query);
+  Pruning<Query> is_pruned{query, limit};
+  const SsvBody& body_o = model.body(pair.rigid_a ? pair.body_a : pair.body_b);
+  const SsvBody& body_i = model.body(pair.rigid_a ? pair.body_b : pair.body_a);
+  const auto nodes = [&](int inner, int outer) {
+    return pair.rigid_a ? bounds(outer, inner, is_pruned.limit)
+                        : bounds(inner, outer, is_pruned.limit);
+  };
+  for (int outer = body_o.root; outer < body_o.root + 2 * body_o.shape_count - 1; ++outer) {
+    if (!model.node(outer).is_leaf()) continue;
+    if (body_i.shape_count > 1) {
+      const NearNodes whole = nodes(body_i.root, outer);
+      if (is_pruned(whole) || query.settles(whole)) continue;
+    }
+    for (int inner = body_i.root; inner < body_i.root + 2 * body_i.shape_count - 1; ++inner) {
+      if (!model.node(inner).is_leaf()) continue;
+      const NearNodes near = nodes(inner, outer);
+      if (is_pruned(near) || query.settles(near)) continue;
+      is_pruned.limit = query.visit(near);
+      if (is_pruned.limit == -std::numeric_limits<double>::infinity()) return is_pruned.least;
+    }
+  }
+  return is_pruned.least;
+}
+
 }  // namespace detail
 
 /// Visits the pieces of `pair` that bounding volumes do not prove to be further apart than `limit`,
@@ -87,37 +133,36 @@ class NodeBounds {
 /// @return the least lower bound of those not visited.
 template <class Query>
 double visit_near(SsvScratch& scratch, const SsvPair& pair, double limit, Query&& query) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const SsvModel& model = scratch.model();
+  if (model.body(pair.body_a).is_small() && model.body(pair.body_b).is_small()) {
+    return detail::visit_leaves(scratch, pair, limit, query);
+  }
   detail::NodeBounds bounds(scratch, pair, query);
-  double least = kInfinity;
-  const auto is_pruned = [&](const NearNodes& near) {
-    if (!((query.has_given_up() ? near.distance : near.lower) > limit)) return false;
-    least = std::min(least, near.lower);
-    return true;
-  };
+  detail::Pruning<std::remove_reference_t<Query>> is_pruned{query, limit};
   // Every pair of nodes is replaced by at most two of the next level of one tree.
   std::array<NearNodes, 2 * SsvModel::kMostDepth> open;
   std::size_t count = 1;
-  open[0] = bounds(pair.a, pair.b, limit);
+  open[0] = bounds(pair.a, pair.b, is_pruned.limit);
   while (count > 0) {
     const NearNodes near = open[--count];
     if (is_pruned(near) || query.settles(near)) continue;
     const SsvNode &a = model.node(near.a), &b = model.node(near.b);
     if (a.is_leaf() && b.is_leaf()) {
-      limit = query.visit(near);
-      if (limit == -kInfinity) return least;
+      is_pruned.limit = query.visit(near);
+      if (is_pruned.limit == -std::numeric_limits<double>::infinity()) return is_pruned.least;
       continue;
     }
     const bool divide_a = b.is_leaf() || (!a.is_leaf() && a.radius >= b.radius);
+    const double limit_now = is_pruned.limit;
     NearNodes first =
-        divide_a ? bounds(near.a + 1, near.b, limit) : bounds(near.a, near.b + 1, limit);
-    NearNodes second = divide_a ? bounds(a.right, near.b, limit) : bounds(near.a, b.right, limit);
+        divide_a ? bounds(near.a + 1, near.b, limit_now) : bounds(near.a, near.b + 1, limit_now);
+    NearNodes second =
+        divide_a ? bounds(a.right, near.b, limit_now) : bounds(near.a, b.right, limit_now);
     if (second.distance < first.distance) std::swap(first, second);
     if (!is_pruned(second)) open[count++] = second;
     if (!is_pruned(first)) open[count++] = first;
   }
-  return least;
+  return is_pruned.least;
 }
 
 }  // namespace tandem::collision

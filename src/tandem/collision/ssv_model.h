@@ -61,6 +61,9 @@ struct SsvBody {
   int first_shape, shape_count;
   int first_surface, surface_count;
   bool is_solid;  ///< A surface of it is closed: something may lie inside without touching it.
+
+  /// A few shapes, whose nodes follow the root: descending their tree saves nothing.
+  bool is_small() const { return surface_count == 0 && shape_count <= 16; }
 };
 
 struct SsvPair {
@@ -96,6 +99,7 @@ struct SsvModel {
             "a selection holds indices into pairs()");
     return pairs[static_cast<std::size_t>(index)];
   }
+  const SsvBody& body(int index) const { return bodies[static_cast<std::size_t>(index)]; }
   const SsvNode& node(int index) const { return nodes[static_cast<std::size_t>(index)]; }
   const SsvShape& shape(int index) const { return shapes[static_cast<std::size_t>(index)]; }
   int depth_of(int joint) const {
