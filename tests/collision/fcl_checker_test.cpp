@@ -12,6 +12,7 @@
 #include "tandem/collision/ssv_checker.h"
 #include "tandem/robot/srdf.h"
 #include "tandem/robot/urdf.h"
+#include "temporary_folder.h"
 #include "test_data.h"
 
 namespace tandem::collision {
@@ -178,24 +179,6 @@ TEST(FclChecker, AgreesWithSsvCheckerWhereEverythingIsAligned) {
   EXPECT_GT(tally.deep, 300);
 }
 
-/// A folder that is gone when the test is over.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = testing::TempDir() + "tandem_XXXXXX";
-    path_ = mkdtemp(name.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  std::string write(const std::string& name, const std::string& text) const {
-    const auto file = std::filesystem::path(path_) / name;
-    std::ofstream(file) << text;
-    return file.string();
-  }
-
- private:
-  std::string path_;
-};
-
 /// A box as an OBJ file, faces outward.
 std::string box_obj(const Vector3d& size) {
   std::ostringstream text;
@@ -243,7 +226,7 @@ TEST(FclChecker, TakesPrimitivesFromTheUrdfUnpadded) {
 }
 
 TEST(FclChecker, MeshesOfBoxesMatchBoxes) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const Vector3d size(0.2, 0.4, 0.6);
   const std::string file = folder.write("box.obj", box_obj({0.1, 0.4, 0.3}));
   Rng rng(4);
@@ -269,7 +252,7 @@ TEST(FclChecker, MeshesOfBoxesMatchBoxes) {
 }
 
 TEST(FclChecker, WhatIsInsideAMeshIsInCollision) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string file = folder.write("big.obj", box_obj({1.0, 1.0, 1.0}));
   const robot::Geometry big{Eigen::Isometry3d::Identity(),
                             robot::MeshGeometry{file, file, Vector3d::Ones()}};
@@ -281,7 +264,7 @@ TEST(FclChecker, WhatIsInsideAMeshIsInCollision) {
 }
 
 TEST(FclChecker, MeshesInsideMeshesAreInCollision) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string big = folder.write("big.obj", box_obj({1.0, 1.0, 1.0}));
   const std::string small = folder.write("small.obj", box_obj({0.2, 0.2, 0.2}));
   const auto mesh = [](const std::string& file) {
@@ -359,7 +342,7 @@ TEST(FclChecker, ChecksTheMeshesOfARealCell) {
 }
 
 TEST(FclChecker, NamesWhatItCannotRead) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const auto error_of = [&](const std::string& uri, const std::string& path) {
     const auto checker = FclChecker::make(
         test::make_cell(urdf_slider(

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <thread>
 
+#include "temporary_folder.h"
+
 namespace tandem {
 namespace {
 
@@ -13,13 +15,6 @@ namespace fs = std::filesystem;
 
 class ReadFile : public testing::Test {
  protected:
-  ReadFile() {
-    std::string name = (fs::temp_directory_path() / "tandem_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("cannot make " + name);
-    folder_ = name;
-  }
-  ~ReadFile() override { fs::remove_all(folder_); }
-
   void expect_refused(const fs::path& file, std::uintmax_t most, ErrorCode code,
                       const std::string& says) {
     const auto read = read_file(file, most);
@@ -29,7 +24,7 @@ class ReadFile : public testing::Test {
     EXPECT_NE(read.error().message.find(says), std::string::npos) << read.error().message;
   }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(ReadFile, GivesEveryByte) {
@@ -67,7 +62,7 @@ TEST_F(ReadFile, BoundsPipesToo) {
 
 TEST_F(ReadFile, NamesWhatIsWrong) {
   expect_refused(folder_ / "none", 9, ErrorCode::kNotFound, "no such file");
-  expect_refused(folder_, 9, ErrorCode::kIo, "folder");
+  expect_refused(folder_.path(), 9, ErrorCode::kIo, "folder");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "random_shapes.h"
 #include "tandem/geometry/mesh_file.h"
+#include "temporary_folder.h"
 
 namespace tandem::geometry {
 namespace {
@@ -14,15 +15,8 @@ using Eigen::Vector3d;
 
 class ReadCloud : public testing::Test {
  protected:
-  ReadCloud() {
-    std::string pattern = std::filesystem::temp_directory_path() / "tandem_cloud_XXXXXX";
-    folder_ = mkdtemp(pattern.data());
-  }
-  ~ReadCloud() override { std::filesystem::remove_all(folder_); }
-
   Result<std::vector<Vector3d>> read(const std::string& name, const std::string& bytes) const {
-    std::ofstream(folder_ / name, std::ios::binary) << bytes;
-    return read_cloud(folder_ / name);
+    return read_cloud(folder_.write(name, bytes));
   }
   void expect_points(const std::string& name, const std::string& bytes) const {
     const auto points = read(name, bytes);
@@ -42,7 +36,7 @@ class ReadCloud : public testing::Test {
   }
 
  private:
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 template <class Value>

@@ -9,6 +9,7 @@
 
 #include "tandem/core/rng.h"
 #include "tandem/geometry/mesh_file.h"
+#include "temporary_folder.h"
 #include "test_data.h"
 
 namespace tandem::geometry {
@@ -19,15 +20,8 @@ using Eigen::Vector3d;
 /// One file after the other, removed at the end.
 class Collada : public ::testing::Test {
  protected:
-  Collada() {
-    std::string pattern = std::filesystem::temp_directory_path() / "tandem_dae_XXXXXX";
-    folder_ = mkdtemp(pattern.data());
-  }
-  ~Collada() override { std::filesystem::remove_all(folder_); }
-
   Result<TriangleMesh> read(const std::string& text) {
-    std::ofstream(folder_ / "a.dae", std::ios::binary) << text;
-    return read_mesh(folder_ / "a.dae");
+    return read_mesh(folder_.write("a.dae", text));
   }
 
   void expect_refused(const std::string& text, const std::vector<std::string>& parts,
@@ -41,7 +35,7 @@ class Collada : public ::testing::Test {
     }
   }
 
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 const std::string kTriangles =

@@ -9,32 +9,13 @@
 #include <sstream>
 
 #include "random_shapes.h"
+#include "temporary_folder.h"
 #include "test_data.h"
 
 namespace tandem::geometry {
 namespace {
 
 using Eigen::Vector3d;
-
-/// A folder of one test.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = std::filesystem::temp_directory_path() / "tandem_mesh_XXXXXX";
-    path_ = mkdtemp(pattern.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  std::filesystem::path write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(path_ / name, std::ios::binary) << bytes;
-    return path_ / name;
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// The bytes of values, least first or last.
 template <class Value>
@@ -157,7 +138,7 @@ void expect_refused(const std::filesystem::path& file, const std::vector<std::st
 }
 
 TEST(ReadMesh, ReadsEveryKindAlike) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   for (const auto& [name, bytes] : tetrahedra()) {
     const auto mesh = read_mesh(folder.write(name, bytes), Vector3d(2, 1, 0.5));
     ASSERT_TRUE(mesh) << mesh.error().message;
@@ -171,7 +152,7 @@ TEST(ReadMesh, ReadsEveryKindAlike) {
 }
 
 TEST(ReadMesh, SplitsThePolygonsOfAPly) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string text =
       ply_header("ascii", 5, 1) + "0 0 0 0\n0 1 0 0\n0 1 1 0\n0 0 1 0\n0 9 9 9\n4 0 1 2 3\n";
   const auto mesh = read_mesh(folder.write("a.ply", text));
@@ -181,7 +162,7 @@ TEST(ReadMesh, SplitsThePolygonsOfAPly) {
 }
 
 TEST(ReadMesh, RefusesHostileHeadersAtOnce) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string padding(1024 - 84, '\0');
   expect_refused(folder.write("huge.stl", std::string(80, ' ') + bytes_of(~0u) + padding),
                  {"4294967295", " 18"});
@@ -208,7 +189,7 @@ TEST(ReadMesh, RefusesHostileHeadersAtOnce) {
 }
 
 TEST(ReadMesh, ReadsTheFacesOfAnObj) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   const std::string corners = "v 0 0 0 1\nv 1 0 0\r\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0\n";
   const auto read = [&](const std::string& faces) {
     return read_mesh(folder.write("a.obj", faces + corners));
@@ -234,7 +215,7 @@ TEST(ReadMesh, ReadsTheFacesOfAnObj) {
 }
 
 TEST(ReadMesh, RefusesWhatItCannotUse) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   expect_refused("/nowhere/a.stl", {"not exist"});
   expect_refused(std::filesystem::temp_directory_path(), {"must end in .stl"});
   std::filesystem::create_directory(folder.write("x", "").parent_path() / "folder.stl");
@@ -249,7 +230,7 @@ TEST(ReadMesh, RefusesWhatItCannotUse) {
 
 /// Damaged files must give an answer, whatever it is; run with the sanitizers for more.
 TEST(ReadMesh, SurvivesDamagedFiles) {
-  const TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   Rng rng(51);
   for (const auto& [name, bytes] : tetrahedra()) {
     for (int i = 0; i < 60; ++i) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tandem/collision/link_frame.h"
+
 namespace tandem::collision {
 
 namespace {
@@ -22,12 +24,6 @@ constexpr double kRoundings = 64;
 /// Axes this parallel are the same: over a metre, less than single precision sees [-].
 constexpr double kParallel = 1e-8;
 
-/// A link's place in the compiled tree.
-struct LinkFrame {
-  int joint = -1;
-  Isometry3d X_JL = Isometry3d::Identity();
-};
-
 Vector3f3 to_float(const Vector3d& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
@@ -42,27 +38,6 @@ std::array<float, 9> matrix_to_float(const Matrix3d& M) {
 /// Up to the next float: bounds stay bounds.
 float round_up(double value) {
   return std::nextafter(static_cast<float>(value), std::numeric_limits<float>::infinity());
-}
-
-Isometry3d joint_motion(const robot::Joint& joint, double value) {
-  Isometry3d X = Isometry3d::Identity();
-  if (joint.type == robot::JointType::kPrismatic) {
-    X.translation() = value * joint.axis_J;
-  } else if (joint.type != robot::JointType::kFixed) {
-    X.linear() = Eigen::AngleAxisd(value, joint.axis_J).toRotationMatrix();
-  }
-  return X;
-}
-
-/// Which entry of q stands behind each entry of a position vector, or -1.
-std::vector<int> columns_of_positions(const world::Workcell& cell) {
-  std::vector<int> columns(static_cast<std::size_t>(cell.model().position_count()), -1);
-  for (const world::Arm& arm : cell.arms()) {
-    for (int k = 0; k < arm.dof(); ++k) {
-      columns[static_cast<std::size_t>(arm.columns[static_cast<std::size_t>(k)])] = arm.offset + k;
-    }
-  }
-  return columns;
 }
 
 /// A moving joint as its own; a standing one becomes part of the frame.

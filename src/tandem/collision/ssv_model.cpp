@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tandem/collision/link_frame.h"
+
 namespace tandem::collision {
 
 namespace {
@@ -10,33 +12,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-/// A link's place in the compiled tree.
-struct LinkFrame {
-  int joint = -1;
-  Isometry3d X_JL = Isometry3d::Identity();
-};
-
-Isometry3d joint_motion(const robot::Joint& joint, double value) {
-  Isometry3d X = Isometry3d::Identity();
-  if (joint.type == robot::JointType::kPrismatic) {
-    X.translation() = value * joint.axis_J;
-  } else if (joint.type != robot::JointType::kFixed) {
-    X.linear() = Eigen::AngleAxisd(value, joint.axis_J).toRotationMatrix();
-  }
-  return X;
-}
-
-/// Which entry of q stands behind each entry of a position vector, or -1.
-std::vector<int> columns_of_positions(const world::Workcell& cell) {
-  std::vector<int> columns(static_cast<std::size_t>(cell.model().position_count()), -1);
-  for (const world::Arm& arm : cell.arms()) {
-    for (int k = 0; k < arm.dof(); ++k) {
-      columns[static_cast<std::size_t>(arm.columns[static_cast<std::size_t>(k)])] = arm.offset + k;
-    }
-  }
-  return columns;
-}
 
 /// Compiles the joints: those that no arm moves become constants.
 std::vector<LinkFrame> add_joints(const world::Workcell& cell, SsvModel& model) {

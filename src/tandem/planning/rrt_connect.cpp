@@ -5,6 +5,7 @@
 
 #include "tandem/core/contract.h"
 #include "tandem/core/rng.h"
+#include "tandem/planning/nearest.h"
 
 namespace tandem::planning {
 
@@ -16,13 +17,14 @@ namespace {
 /// Nodes with their parents; node 0 is the root.
 class Tree {
  public:
-  explicit Tree(Index dof) : dof_(dof) {}
+  explicit Tree(Index dof) : dof_(dof), near_(static_cast<int>(dof)) {}
 
   int size() const { return static_cast<int>(parents_.size()); }
   Eigen::Map<const VectorXd> node(int i) const { return {nodes_.data() + i * dof_, dof_}; }
 
   int add(const VectorXd& q, int parent) {
     nodes_.insert(nodes_.end(), q.begin(), q.end());
+    near_.add(q);
     parents_.push_back(parent);
     reach_squared_.push_back(std::numeric_limits<double>::infinity());
     return size() - 1;
@@ -30,18 +32,8 @@ class Tree {
 
   /// The node nearest to q and the squared distance.
   std::pair<int, double> nearest(const VectorXd& q) const {
-    int best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    const double* p = nodes_.data();
-    for (int i = 0; i < size(); ++i, p += dof_) {
-      double sum = 0;
-      for (Index j = 0; j < dof_; ++j) sum += (p[j] - q[j]) * (p[j] - q[j]);
-      if (sum < least) {
-        least = sum;
-        best = i;
-      }
-    }
-    return {best, least};
+    const int best = near_.nearest(q);
+    return {best, (node(best) - q).squaredNorm()};
   }
 
   /// How near a sample must be for node i to be extended towards it, squared.
@@ -60,6 +52,7 @@ class Tree {
  private:
   Index dof_;
   std::vector<double> nodes_;
+  NearestConfigurations near_;
   std::vector<int> parents_;
   std::vector<double> reach_squared_;
 };
