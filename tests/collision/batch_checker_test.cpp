@@ -1,11 +1,11 @@
 #include "tandem/collision/batch_checker.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <cmath>
 #include <thread>
 
+#include "collision/batch_targets.h"
 #include "collision/random_cell.h"
 #include "tandem/collision/certificate.h"
 #include "tandem/core/contract.h"
@@ -15,42 +15,9 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using test::for_each_target, test::kinds_of_cells;
 using world::PairScope;
 using world::PairSelection;
-
-/// Runs `f` once for each instruction set that this machine and this build have.
-template <class F>
-void for_each_target(F&& f) {
-  hwy::DisableTargets(0);
-  for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0;
-       targets &= targets - 1) {
-    const std::int64_t target = targets & -targets;
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    f();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-}
-
-/// Cells whose links are made of single kinds of shapes, or of everything.
-std::vector<test::RandomCellOptions> kinds_of_cells() {
-  std::vector<test::RandomCellOptions> all(1);
-  for (int core = 0; core < 7; ++core) {
-    test::RandomCellOptions options;
-    options.cores = {static_cast<geometry::CoreType>(core)};
-    all.push_back(options);
-  }
-  test::RandomCellOptions revolute;
-  revolute.prismatic = false;
-  revolute.padding = 0;
-  all.push_back(revolute);
-  test::RandomCellOptions surfaces;
-  surfaces.surface_pieces = 120;
-  all.push_back(surfaces);
-  return all;
-}
 
 TEST(BatchChecker, VerdictsAreThoseOfTheExactChecker) {
   for_each_target([] {

@@ -159,7 +159,8 @@ bool IsPlacedBlockFree(const BatchPairs& pairs, BatchChecker::Scratch& work) {
   return true;
 }
 
-bool IsBlockFree(const BatchPairs& pairs, BatchChecker::Scratch& work) {
+/// Fills Scratch::values from the columns of Scratch::Q.
+void LoadValues(const BatchPairs& pairs, BatchChecker::Scratch& work) {
   const BatchModel& model = work.model;
   for (const int j : pairs.joints) {
     const BatchJoint& joint = model.joints[static_cast<std::size_t>(j)];
@@ -170,6 +171,10 @@ bool IsBlockFree(const BatchPairs& pairs, BatchChecker::Scratch& work) {
           static_cast<float>(without_turns(joint, joint.multiplier * q + joint.offset));
     }
   }
+}
+
+bool IsBlockFree(const BatchPairs& pairs, BatchChecker::Scratch& work) {
+  LoadValues(pairs, work);
   return IsPlacedBlockFree(pairs, work);
 }
 

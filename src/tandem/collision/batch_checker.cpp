@@ -6,6 +6,7 @@
 
 #include "tandem/collision/batch_work.h"
 #include "tandem/collision/certificate.h"
+#include "tandem/collision/ssv_model.h"
 #include "tandem/core/contract.h"
 
 namespace tandem::collision {
@@ -70,12 +71,28 @@ bool BatchChecker::Scratch::touches_exactly(int pair, int lane) {
 void BatchChecker::ScratchDeleter::operator()(Scratch* scratch) const { delete scratch; }
 
 BatchChecker::BatchChecker(const SsvChecker& exact)
-    : exact_(exact), model_(std::make_unique<const BatchModel>(exact.cell())) {}
+    : exact_(exact), model_(std::make_unique<const BatchModel>(exact.cell())) {
+  // Both models keep the shapes of a body together, in its order; its surfaces follow here.
+  const SsvModel& exact_model = exact.model();
+  leaves_.assign(model_->shapes.size(), -1);
+  for (int n = 0; n < static_cast<int>(exact_model.nodes.size()); ++n) {
+    const SsvNode& node = exact_model.node(n);
+    if (!node.is_leaf() || !node.is_shape()) continue;
+    const auto body = std::ranges::find_if(exact_model.bodies, [&](const SsvBody& b) {
+      return b.first_shape <= node.piece && node.piece < b.first_shape + b.shape_count;
+    });
+    const BatchBody& compiled =
+        model_->bodies[static_cast<std::size_t>(body - exact_model.bodies.begin())];
+    leaves_[index(compiled.first_shape + node.piece - body->first_shape)] = n;
+  }
+}
 
 BatchChecker::~BatchChecker() = default;
 
-BatchChecker::Pairs BatchChecker::compile(const world::PairSelection& selection) const {
-  return std::make_shared<const BatchPairs>(compile_pairs(*model_, cell(), selection));
+BatchChecker::Pairs BatchChecker::compile(const world::PairSelection& selection,
+                                          double within) const {
+  expects(within >= kClearanceCap, "edges are proven to keep up to kClearanceCap");
+  return std::make_shared<const BatchPairs>(compile_pairs(*model_, cell(), selection, within));
 }
 
 BatchChecker::ScratchPtr BatchChecker::make_scratch() const {

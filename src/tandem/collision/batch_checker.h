@@ -1,6 +1,7 @@
 #pragma once
 /// Collision checks of many configurations at once, and of straight edges with a proof.
 
+#include <cstdint>
 #include <memory>
 
 #include "tandem/collision/ssv_checker.h"
@@ -17,6 +18,20 @@ struct EdgeProof {
   /// Every pair keeps at least this distance all along [m], if free; a lower bound, and never more
   /// than BatchChecker::kClearanceCap.
   double least_clearance = 0;
+};
+
+/// Pairs of shapes that are near each other, by configuration.
+struct NearShapes {
+  std::vector<PairClearance> clearances;
+  /// The same for the same two shapes in every configuration; kNoKey for pieces of surfaces.
+  std::vector<std::uint64_t> keys;
+  static constexpr std::uint64_t kNoKey = ~std::uint64_t{0};
+  std::vector<double> gradients;   ///< d distance / d q, dof entries each [m/rad or -].
+  std::vector<std::size_t> first;  ///< Of each configuration, and the end.
+
+  Eigen::Map<const Eigen::VectorXd> gradient(std::size_t i, Eigen::Index dof) const {
+    return {gradients.data() + i * static_cast<std::size_t>(dof), dof};
+  }
 };
 
 /// The fast path of SsvChecker: several configurations in the lanes of one vector, in single
@@ -49,9 +64,9 @@ class BatchChecker {
   const SsvChecker& exact() const { return exact_; }
   const world::Workcell& cell() const { return exact_.cell(); }
 
-  /// Pairs that no configuration inside the joint limits brings nearer than kClearanceCap are left
-  /// out.
-  Pairs compile(const world::PairSelection& selection) const;
+  /// Pairs that no configuration inside the joint limits brings nearer than `within` [m], at least
+  /// kClearanceCap, are left out.
+  Pairs compile(const world::PairSelection& selection, double within = kClearanceCap) const;
   Pairs compile(const world::PairScope& scope) const { return compile(cell().select(scope)); }
   ScratchPtr make_scratch() const;
 
@@ -71,6 +86,17 @@ class BatchChecker {
                        const Eigen::Ref<const Eigen::VectorXd>& b, const BatchPairs& pairs,
                        Scratch& scratch, const StopCondition& stop = {}) const;
 
+  /// All pairs of shapes nearer than `within` [m] at the columns of Q (dof x n, n >= 0, finite):
+  /// those of SsvChecker::shape_clearances, in another order, but for pairs left out of `pairs`.
+  /// Exact; vectors only find which shapes are near.
+  /// @param out  overwritten; its memory is used again.
+  void shape_clearances(const Eigen::Ref<const Eigen::MatrixXd>& Q, const BatchPairs& pairs,
+                        double within, Scratch& scratch, NearShapes& out) const;
+  /// The least distance of every column, or `within` [m] where nothing is nearer.
+  /// @param out  n, overwritten [m].
+  void least_clearances(const Eigen::Ref<const Eigen::MatrixXd>& Q, const BatchPairs& pairs,
+                        double within, Scratch& scratch, Eigen::Ref<Eigen::VectorXd> out) const;
+
   /// Bound of the rounding of a distance in single precision [m].
   double margin() const;
 
@@ -82,6 +108,12 @@ class BatchChecker {
                           const StopCondition& stop) const;
 
   const SsvChecker& exact_;
+  std::vector<int> leaves_;  ///< Of the exact model, by shape; -1: a surface.
+  /// Calls f(first column) for every block of columns with what is near in it in scratch.near.
+  template <class F>
+  void for_each_block(const Eigen::Ref<const Eigen::MatrixXd>& Q, const BatchPairs& pairs,
+                      double within, Scratch& scratch, F&& f) const;
+
   std::unique_ptr<const BatchModel> model_;
 };
 

@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include "tandem/collision/batch_edge.h"
+#include "tandem/collision/batch_near.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tandem::collision::HWY_NAMESPACE {
@@ -21,6 +22,10 @@ EdgeFinding ExamineEdge(const BatchPairs& pairs, bool want_clearance, BatchCheck
   return EdgeProver(pairs, want_clearance, work).Examine();
 }
 
+void FindNear(const BatchPairs& pairs, float within, BatchChecker::Scratch& work) {
+  NearFinder(pairs, within, work).Find();
+}
+
 }  // namespace tandem::collision::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -29,12 +34,17 @@ namespace tandem::collision {
 
 HWY_EXPORT(LaneCount);
 HWY_EXPORT(IsBlockFree);
+HWY_EXPORT(FindNear);
 HWY_EXPORT(ExamineEdge);
 
 int batch_lanes() { return HWY_DYNAMIC_DISPATCH(LaneCount)(); }
 
 bool is_block_free(const BatchPairs& pairs, BatchChecker::Scratch& work) {
   return HWY_DYNAMIC_DISPATCH(IsBlockFree)(pairs, work);
+}
+
+void find_near(const BatchPairs& pairs, float within, BatchChecker::Scratch& work) {
+  HWY_DYNAMIC_DISPATCH(FindNear)(pairs, within, work);
 }
 
 EdgeFinding examine_edge(const BatchPairs& pairs, bool want_clearance,

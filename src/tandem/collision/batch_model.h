@@ -113,14 +113,15 @@ struct BatchPairs {
   std::vector<int> standing_shapes;
 };
 
+/// @param within  [m], see BatchChecker::compile.
 BatchPairs compile_pairs(const BatchModel& model, const world::Workcell& cell,
-                         const world::PairSelection& selection);
+                         const world::PairSelection& selection, double within);
 
 /// Whether the group or body of sphere `node` at `joint`, moved by the joints below `common`, may
-/// come within kClearanceCap of a shape that stands still in the frame of `common`. Never wrongly
+/// come within `within` [m] of a shape that stands still in the frame of `common`. Never wrongly
 /// false.
 bool may_touch(const BatchModel& model, int joint, int common, const BatchSphere& node,
-               const geometry::Shape& shape_P);
+               const geometry::Shape& shape_P, double within);
 
 /// Fills BatchModel::levers.
 void bound_levers(BatchModel& model);

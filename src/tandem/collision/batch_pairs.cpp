@@ -14,7 +14,8 @@ using geometry::Shape;
 /// Sorts pairs into items, and leaves out what can never touch.
 class PairCompiler {
  public:
-  PairCompiler(const BatchModel& model, const world::Workcell& cell) : model_(model), cell_(cell) {
+  PairCompiler(const BatchModel& model, const world::Workcell& cell, double within)
+      : model_(model), cell_(cell), within_(within) {
     pairs_.model = &model;
   }
 
@@ -34,6 +35,7 @@ class PairCompiler {
 
   const BatchModel& model_;
   const world::Workcell& cell_;
+  double within_;
   BatchPairs pairs_;
   std::map<std::tuple<int, int>, Item> standing_, moving_;
   std::map<std::tuple<int, int>, bool> reaches_;
@@ -61,7 +63,8 @@ bool PairCompiler::group_reaches(int group, int standing) {
   const BatchBody& other = body(standing);
   for (int s = other.first_shape; s < other.first_shape + other.shape_count; ++s) {
     const Shape shape_C = outer_box(model_.shapes[static_cast<std::size_t>(s)]);
-    if (may_touch(model_, group, -1, model_.groups[static_cast<std::size_t>(group)], shape_C)) {
+    if (may_touch(model_, group, -1, model_.groups[static_cast<std::size_t>(group)], shape_C,
+                  within_)) {
       found->second = true;
       break;
     }
@@ -76,7 +79,7 @@ void PairCompiler::add_standing(int pair, int a, int b) {
   BatchBodyPair compiled{pair, a, b, static_cast<int>(pairs_.standing_shapes.size()), 0};
   for (int s = other.first_shape; s < other.first_shape + other.shape_count; ++s) {
     const Shape shape_C = outer_box(model_.shapes[static_cast<std::size_t>(s)]);
-    if (!may_touch(model_, moved.joint, -1, moved.sphere, shape_C)) continue;
+    if (!may_touch(model_, moved.joint, -1, moved.sphere, shape_C, within_)) continue;
     pairs_.standing_shapes.push_back(s);
     ++compiled.shape_count;
   }
@@ -102,7 +105,9 @@ void PairCompiler::add_moving(int pair, int a, int b) {
     const BatchSphere& sphere = body(still).sphere;
     const Eigen::Vector3d center(sphere.p_JC[0], sphere.p_JC[1], sphere.p_JC[2]);
     const Shape ball = *Shape::sphere(center, static_cast<double>(sphere.radius));
-    if (!may_touch(model_, body(moved).joint, common, body(moved).sphere, ball)) return;
+    if (!may_touch(model_, body(moved).joint, common, body(moved).sphere, ball, within_)) {
+      return;
+    }
   }
   Item& entry = moving_[{joint_a, joint_b}];
   entry.item.group_a = joint_a;
@@ -154,8 +159,8 @@ BatchPairs PairCompiler::finish() {
 }  // namespace
 
 BatchPairs compile_pairs(const BatchModel& model, const world::Workcell& cell,
-                         const world::PairSelection& selection) {
-  PairCompiler compiler(model, cell);
+                         const world::PairSelection& selection, double within) {
+  PairCompiler compiler(model, cell, within);
   for (const int pair : selection) compiler.add(pair);
   return compiler.finish();
 }

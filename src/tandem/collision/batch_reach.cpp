@@ -85,7 +85,7 @@ void bound_levers(BatchModel& model) {
 }
 
 bool may_touch(const BatchModel& model, int joint, int common, const BatchSphere& node,
-               const geometry::Shape& shape_P) {
+               const geometry::Shape& shape_P, double within) {
   Region region = region_of(to_vector(node.p_JC));
   const BatchJoint* first = nullptr;
   for (int j = joint; j != common; j = first->parent) {
@@ -97,7 +97,7 @@ bool may_touch(const BatchModel& model, int joint, int common, const BatchSphere
   if (!first) return true;
   // In the frame that the first joint turns in, which stands still in that of `common`.
   const Eigen::Isometry3d& X_PF = first->X_PJ;
-  const double radius = node.radius + BatchChecker::kClearanceCap;
+  const double radius = node.radius + within;
   const auto apart = [&](const Result<geometry::Shape>& around) {
     return around && geometry::distance(*around, shape_P) > 0;
   };

@@ -30,6 +30,15 @@ struct EdgePart {
   double middle;
 };
 
+/// Two shapes that are near in some lanes.
+struct NearLanes {
+  int pair;         ///< Of the cell.
+  int a, b;         ///< Shapes.
+  unsigned lanes;   ///< One bit each.
+  LaneRow squared;  ///< [m^2] lower bound of the squared distance of their cores, with its sign.
+  float outer;      ///< [m] of both, to be taken off.
+};
+
 /// One block of configurations as placed, and what is left to prove of an edge.
 class BatchChecker::Scratch {
  public:
@@ -70,6 +79,8 @@ class BatchChecker::Scratch {
   double half_length = 0;                   ///< [s]
   float least_clearance = 0;                ///< [m]
 
+  std::vector<NearLanes> near;  ///< Found last by find_near.
+
   int last_hit = -1;  ///< Item: neighbouring questions tend to collide in the same one.
 
  private:
@@ -90,6 +101,8 @@ enum class EdgeFinding {
 int batch_lanes();
 /// Whether Scratch::count <= batch_lanes() columns from Scratch::Q are free.
 bool is_block_free(const BatchPairs& pairs, BatchChecker::Scratch& work);
+/// Fills Scratch::near with the shapes that are nearer than `within` [m] in any of the columns.
+void find_near(const BatchPairs& pairs, float within, BatchChecker::Scratch& work);
 /// Proves the edge between edge_a and edge_b as far as single precision can.
 EdgeFinding examine_edge(const BatchPairs& pairs, bool want_clearance, BatchChecker::Scratch& work);
 

@@ -33,6 +33,8 @@ void thin_out(std::vector<FoundClearance>& found) {
   found.resize(kept);
 }
 
+}  // namespace
+
 void add_shape_clearances(SsvScratch& scratch, int index, double within,
                           std::vector<PairClearance>& out) {
   struct All : PlacedQuery {
@@ -67,8 +69,6 @@ void add_shape_clearances(SsvScratch& scratch, int index, double within,
   improve_inside(scratch, index, inside);
   if (inside.pair >= 0) out.push_back(inside);
 }
-
-}  // namespace
 
 SsvScratch& own_scratch(const SsvModel& model, CollisionChecker::Scratch& scratch) {
   auto* own = dynamic_cast<SsvScratch*>(&scratch);

@@ -106,6 +106,27 @@ double SsvScratch::box_distance(int node, int leaf) {
          model_.node(node).radius;
 }
 
+void SsvScratch::gradient(const PairClearance& clearance, std::span<double> out) {
+  const SsvPair& pair = model_.pair(clearance.pair);
+  const Vector3d n = clearance.nhat_BA_W;
+  std::ranges::fill(out, 0.0);
+  add_gradient(n, clearance.p_WCa, model_.body(pair.body_a).joint, pair.common, out);
+  add_gradient(-n, clearance.p_WCb, model_.body(pair.body_b).joint, pair.common, out);
+}
+
+/// How point P of `joint` moves along n by the joints below `common`.
+void SsvScratch::add_gradient(const Vector3d& n_W, const Vector3d& p_WP, int joint, int common,
+                              std::span<double> out) {
+  for (int j = joint; j != common; j = model_.joints[static_cast<std::size_t>(j)].parent) {
+    const SsvJoint& moved = model_.joints[static_cast<std::size_t>(j)];
+    const Eigen::Isometry3d& X = pose(j);
+    const Vector3d axis = X.linear().col(2);
+    const double rate =
+        moved.prismatic ? n_W.dot(axis) : n_W.dot(axis.cross(p_WP - X.translation()));
+    out[static_cast<std::size_t>(moved.column)] += moved.multiplier * rate;
+  }
+}
+
 void SsvScratch::set_deviation(const Eigen::Ref<const Eigen::VectorXd>& D) {
   for (std::size_t j = 0; j < model_.joints.size(); ++j) {
     const SsvJoint& joint = model_.joints[j];

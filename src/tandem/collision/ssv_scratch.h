@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "tandem/collision/ssv_model.h"
 
@@ -111,6 +112,9 @@ class SsvScratch final : public CollisionChecker::Scratch {
   double travel_along(const Eigen::Vector3d& n_W, int joint, int common,
                       const Eigen::Vector3d& p_WP);
 
+  /// d distance / d q of a clearance as placed, dof entries, overwritten.
+  void gradient(const PairClearance& clearance, std::span<double> out);
+
   /// Bytes that it holds beside the buffers of the certificate, about.
   std::size_t memory() const;
 
@@ -126,6 +130,8 @@ class SsvScratch final : public CollisionChecker::Scratch {
     std::optional<geometry::Shape> shape_W;
   };
 
+  void add_gradient(const Eigen::Vector3d& n_W, const Eigen::Vector3d& p_WP, int joint, int common,
+                    std::span<double> out);
   void place_joint(std::size_t j);
   void place_node(const SsvNode& node);
   void place_shape(const SsvNode& leaf, const SsvShape& shape);
@@ -156,6 +162,9 @@ bool is_inside(SsvScratch& scratch, const SsvPair& pair);
 /// Replaces `best` by what lies deepest inside a closed mesh of the other body of pair `index`, if
 /// that is deeper. The depth is a lower bound of the true one.
 void improve_inside(SsvScratch& scratch, int index, PairClearance& best);
+/// Appends all clearances of shapes of a pair as placed, see SsvChecker::shape_clearances.
+void add_shape_clearances(SsvScratch& scratch, int index, double within,
+                          std::vector<PairClearance>& out);
 /// Replaces `best` by the clearance of pair `index` as placed, if that is less.
 void improve(SsvScratch& scratch, int index, PairClearance& best);
 
