@@ -24,11 +24,13 @@ struct CheckCommand {
 
 using Cell = std::shared_ptr<const world::Workcell>;
 
-QueryCheck check_query(const Cell& cell, const world::Query& query, std::uint64_t seed) {
+Result<QueryCheck> check_query(const Cell& cell, const world::Query& query, std::uint64_t seed,
+                               const StopCondition& stop) {
   QueryCheck check;
   check.name = query.name;
-  auto resolved = pipeline::resolve(cell, query, seed);
+  auto resolved = pipeline::resolve(cell, query, seed, stop);
   if (!resolved) {
+    if (stop()) return std::unexpected(resolved.error());
     check.reason = resolved.error().message;
     return check;
   }
@@ -85,11 +87,11 @@ int run(const CheckCommand& command) {
   for (const world::QueryList& list : cell->lists()) {
     all.insert(all.end(), list.queries.begin(), list.queries.end());
   }
+  const auto stop = StopCondition::after(std::numeric_limits<double>::infinity(), signals.token());
   for (const world::Query& query : all) {
-    if (signals.token().stop_requested()) {
-      return report("check", {ErrorCode::kCancelled, "interrupted"});
-    }
-    queries.push_back(check_query(cell, query, command.seed));
+    auto checked = check_query(cell, query, command.seed, stop);
+    if (!checked) return report("check", checked.error());
+    queries.push_back(std::move(*checked));
   }
   const int printed = print("check", command.json ? check_json(*cell, queries, command.pairs)
                                                   : check_text(*cell, queries, command.pairs));

@@ -1,5 +1,6 @@
 #include "tandem/fitting/fit.h"
 
+#include <algorithm>
 #include <array>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -22,7 +23,7 @@ using io::Table;
 struct FitCommand {
   CellOptions robot;  // Its packages.
   std::string urdf, output;
-  std::vector<std::string> links;
+  std::vector<std::string> links, kinds;
   fitting::FitOptions options;
   double time = std::numeric_limits<double>::infinity();
   bool json = false, force = false;
@@ -94,6 +95,7 @@ std::string json_text(const robot::Model& model, const FitCommand& command,
                                    {"starts", command.options.starts},
                                    {"seed", command.options.seed},
                                    {"padding_m", command.options.padding},
+                                   {"kinds", command.kinds},
                                    {"links", links}};
   return all.dump(2) + "\n";
 }
@@ -107,6 +109,10 @@ std::string file_text(const robot::Model& model, const FitCommand& command,
                         std::to_string(options.count) + " per link, " +
                         std::to_string(options.starts) + " starts, seed " +
                         std::to_string(options.seed);
+  if (!options.kinds.all()) {
+    comment += ", of";
+    for (const std::string& kind : command.kinds) comment += " " + kind;
+  }
   if (options.padding > 0) comment += ", padding " + std::to_string(options.padding) + " m";
   comment +=
       ".\nProven to contain the surface of each link's collision geometry. Excess is the volume "
@@ -172,6 +178,14 @@ void add_options(CLI::App& sub, FitCommand& command) {
       ->type_name("N")
       ->capture_default_str()
       ->check(whole_number(1) & CLI::Range(1, 32).description(""));
+  sub.add_option("--kinds", command.kinds,
+                 "Which may be used, of sphere, capsule, rounded_rectangle, box;\n"
+                 "the first two are the fastest to check")
+      ->type_name("KIND,...")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(kKinds), std::end(kKinds)))
+                  .description(""));
   sub.add_option("--starts", command.options.starts,
                  "Searches begun per number of volumes: more find tighter ones")
       ->type_name("N")
@@ -208,7 +222,14 @@ void add_fit(CLI::App& app, int& exit_code) {
       "  tandem fit robot.urdf --package-path packages -o robot.volumes.yaml\n\n"
       "Exit codes: 0 done, 2 options or files that cannot be used, 130 interrupted (nothing is\n"
       "written).");
-  sub->callback([command, &exit_code] { exit_code = run(*command); });
+  sub->callback([command, &exit_code] {
+    if (command->kinds.empty()) command->kinds.assign(std::begin(kKinds), std::end(kKinds));
+    command->options.kinds = 0;
+    for (std::size_t i = 0; i < std::size(kKinds); ++i) {
+      command->options.kinds[i] = std::ranges::count(command->kinds, kKinds[i]) > 0;
+    }
+    exit_code = run(*command);
+  });
 }
 
 }  // namespace tandem::app

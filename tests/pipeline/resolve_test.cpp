@@ -86,6 +86,35 @@ TEST(Resolve, BlockedPoseNamesThePair) {
   EXPECT_NE(solved.error().message.find("table"), std::string::npos) << solved.error().message;
 }
 
+// A pose takes a search, which a caller may end; joint values do not.
+TEST(Resolve, StopsWhenToldTo) {
+  auto spec = test::small_cell_spec();
+  const auto cell = test::small_cell();
+  Eigen::VectorXd positions;
+  robot::LinkPoses X_WL;
+  cell->forward_kinematics(resolve(cell, cell->query("cross"))->goal, positions, X_WL);
+  spec.queries[0].goal["left"] = world::PoseGoal{cell->tool_pose(0, X_WL)};
+  const auto with_pose = *world::Workcell::make(spec);
+  std::stop_source source;
+  source.request_stop();
+  const StopCondition cancelled = StopCondition::after(60, source.get_token());
+  const StopCondition late(Clock::now());
+  for (const auto& [stop, code] :
+       {std::pair{&cancelled, ErrorCode::kCancelled}, {&late, ErrorCode::kTimeout}}) {
+    const auto one = resolve(with_pose, with_pose->query("cross"), 1, *stop);
+    ASSERT_FALSE(one);
+    EXPECT_EQ(one.error().code, code) << one.error().message;
+    const auto all = resolve_all(with_pose, with_pose->queries(), 1, *stop);
+    ASSERT_FALSE(all);
+    EXPECT_EQ(all.error().code, code) << all.error().message;
+    EXPECT_TRUE(resolve(cell, cell->query("cross"), 1, *stop));
+  }
+  const PlanOptions options{.token = source.get_token()};
+  const auto planned = plan(with_pose, with_pose->query("cross"), options);
+  ASSERT_FALSE(planned);
+  EXPECT_EQ(planned.error().code, ErrorCode::kCancelled);
+}
+
 /// A box at the left tool's place after `cross`, carried away by `back`, put down before `again`.
 world::WorkcellSpec carrying_spec() {
   auto spec = test::small_cell_spec();

@@ -167,6 +167,7 @@ TEST(Model, RejectsAxesFramesAndLimitsThatCannotWork) {
       {"NaN axis", [](auto& j) { j[0].axis_J.x() = kNan; }, {"joint 'a'", "axis"}},
       {"infinite axis", [](auto& j) { j[0].axis_J.x() = kInf; }, {"joint 'a'", "axis"}},
       {"NaN frame", [](auto& j) { j[1].X_PJ.translation().x() = kNan; }, {"joint 'b'", "frame"}},
+      {"far frame", [](auto& j) { j[1].X_PJ.translation().z() = 1e9; }, {"joint 'b'", "1e8 m"}},
       {"skewed frame", [](auto& j) { j[1].X_PJ.linear() *= 2; }, {"joint 'b'", "frame"}},
       {"inverted", [](auto& j) { j[0].limits.lower = 2; }, {"joint 'a'", "2.0", "upper limit 1.0"}},
       {"NaN limit", [](auto& j) { j[0].limits.upper = kNan; }, {"joint 'a'", "nan"}},
@@ -207,6 +208,13 @@ TEST(Model, RejectsMimicsThatCannotWork) {
       {"NaN multiplier",
        [](auto& j) { j[0].mimic = follow(1, kNan); },
        {"joint 'a'", "multiplier"}},
+      {"huge multiplier", [](auto& j) { j[0].mimic = follow(1, 1e308); }, {"joint 'a'", "1e8"}},
+      {"product of large multipliers",
+       [](auto& j) {
+         j[0].mimic = follow(1, 1e5);
+         j[1].mimic = follow(2, 1e5);
+       },
+       {"joint 'a'", "1e8"}},
       {"infinite offset",
        [](auto& j) { j[0].mimic = follow(1, 1, kInf); },
        {"joint 'a'", "offset"}},

@@ -164,6 +164,14 @@ TEST(Scene, BodiesHaveTheirShapes) {
   }
 }
 
+TEST(Scene, QueriesAreThoseOfAllLists) {
+  auto spec = test::small_cell_spec();
+  spec.lists = {{"tidy", {spec.queries[0]}}};
+  const Cell cell = *world::Workcell::make(spec);
+  EXPECT_EQ(json::parse(describe_scene(*cell).json).at("queries"),
+            json({"cross", "back", "tidy/cross"}));
+}
+
 TEST(Scene, JointsHaveTheirLimitsAndNullForNone) {
   const Cell cell = test::small_cell();
   const json scene = json::parse(describe_scene(*cell).json);

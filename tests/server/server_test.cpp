@@ -199,6 +199,46 @@ TEST_F(ServerTest, PlansBetweenGivenEnds) {
   EXPECT_EQ(answer["plan"]["query"], "live");
 }
 
+// What a query carries is a body of its motion only, whatever the scene shows.
+TEST_F(ServerTest, QueriesAndPlansComeWithTheObjectsThatTheyMove) {
+  auto spec = test::small_cell_spec();
+  const auto pose = [](double x, double y, double z) {
+    Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+    X.translation() = Eigen::Vector3d(x, y, z);
+    return X;
+  };
+  const Eigen::Isometry3d X_WO = pose(0, -0.7, 0.1);
+  spec.obstacles.push_back({"part", {*geometry::Shape::box(X_WO, {0.03, 0.03, 0.03})}});
+  spec.obstacles.back().X_WO = X_WO;
+  world::Attach grip;
+  grip.object = "part";
+  grip.arm = "left";
+  grip.pose = pose(0.05, 0, 0);
+  spec.queries[1].changes.attach = {grip};
+  const auto at_rest = *world::Workcell::make(spec);
+  const auto carrying = pipeline::resolve(at_rest, at_rest->query("back"))->cell;
+  const auto body_in = [](const std::shared_ptr<const world::Workcell>& cell) {
+    const json scene = json::parse(describe_scene(*cell).json);
+    for (const json& body : scene["bodies"]) {
+      if (body["name"] == "part") return json::array({body});
+    }
+    return json();
+  };
+  EXPECT_EQ(body_in(carrying)[0]["kind"], "attached");
+  EXPECT_EQ(body_in(at_rest)[0]["kind"], "obstacle");
+
+  cell_ = at_rest;
+  start();
+  EXPECT_EQ(get("/api/query?name=cross")["objects"], json::array());
+  EXPECT_EQ(get("/api/query?name=back")["objects"], body_in(carrying));
+  EXPECT_EQ(post("/api/plan", R"({"query":"back"})")["objects"], body_in(carrying));
+  cell_ = carrying;
+  start();
+  EXPECT_EQ(get("/api/query?name=cross")["objects"], body_in(at_rest));
+  EXPECT_EQ(get("/api/query?name=back")["objects"], body_in(carrying));
+  EXPECT_EQ(post("/api/plan", R"({"query":"cross"})")["objects"], body_in(at_rest));
+}
+
 TEST_F(ServerTest, AGoalThatTouchesIsAnAnswerThatNamesThePairs) {
   start();
   const Eigen::VectorXd q = start_of("cross");

@@ -1,7 +1,7 @@
 /// Where the page gets its data: from itself, or from the server that sent it.
 
 import { bytesOf } from './bytes';
-import type { ClearanceSample, ErrorData, PageData, PlanData, PoseData, SceneData, Touching } from './types';
+import type { BodyData, ClearanceSample, ErrorData, PageData, PlanData, PoseData, SceneData, Touching } from './types';
 
 /** An answer that says why something could not be done. */
 export class Refusal extends Error {
@@ -25,11 +25,19 @@ export interface PlanRequest {
 export interface PlanAnswer {
   plan: PlanData;
   clearance: ClearanceSample[] | null;
+  objects: BodyData[];
+}
+
+/** A query's ends, and the objects that are elsewhere than in the scene during its motion. */
+export interface QueryAnswer {
+  start: number[];
+  goal: number[];
+  objects: BodyData[];
 }
 
 export class Server {
   /** Where the arms begin and end. */
-  query(name: string): Promise<{ start: number[]; goal: number[] }> {
+  query(name: string): Promise<QueryAnswer> {
     return ask(`/api/query?name=${encodeURIComponent(name)}`);
   }
 

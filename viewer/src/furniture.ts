@@ -15,9 +15,20 @@ export class Furniture extends Group {
   ground = 0;
   private readonly edges = new LineBasicMaterial({ transparent: true, opacity: 0.3, toneMapped: false });
 
-  constructor(bodies: BodyData[], X_WL: Matrix4[], private readonly parts: Parts, drawn: Bodies, materials: Materials) {
+  constructor(private readonly X_WL: Matrix4[], private readonly parts: Parts, private readonly drawn: Bodies, private readonly materials: Materials) {
     super();
-    bodies.forEach((body, i) => {
+    this.rebuild();
+  }
+
+  /** Again, after bodies have moved. */
+  rebuild(): void {
+    const { X_WL, parts, drawn, materials } = this;
+    for (const piece of this.children) if (piece instanceof LineSegments) piece.geometry.dispose();
+    this.clear();
+    this.padded.clear();
+    // Numbered with what is carried, so that a piece keeps its colour when it is picked up and put down.
+    parts.bodies.filter((body) => body.kind !== 'robot').forEach((body, i) => {
+      if (body.kind !== 'obstacle') return;
       const box = parts.box(body);
       // The stage draws the ground; its outline says how far it goes.
       const flat = isGround(box);

@@ -1,7 +1,7 @@
 /// Planning from the page: choose a query or drag goals, plan, see what came of it.
 
 import { Matrix4 } from 'three';
-import { Refusal, type PlanAnswer, type Server } from './api';
+import { Refusal, type PlanAnswer, type QueryAnswer, type Server } from './api';
 import { button, checkbox, el, section, select } from './dom';
 import { GoalHandle } from './handle';
 import { formatLength } from './markers';
@@ -18,7 +18,7 @@ export interface LiveHooks {
   /** Shows a ghost, whatever its switch says. */
   reveal(end: 'start' | 'goal'): void;
   /** A new start and goal, before there is a plan between them. */
-  ends(start: number[], goal: number[]): void;
+  ends(query: QueryAnswer): void;
 }
 
 export class LivePanel {
@@ -92,11 +92,11 @@ export class LivePanel {
     this.query = name;
     this.queries.value = name;
     try {
-      const { start, goal } = await this.server.query(name);
+      const answer = await this.server.query(name);
       if (this.query !== name) return;
-      this.start = start;
-      this.goal = goal;
-      this.hooks.ends(start, goal);
+      this.start = answer.start;
+      this.goal = answer.goal;
+      this.hooks.ends(answer);
       this.placeHandle();
     } catch (error) {
       this.fail(error);
@@ -133,6 +133,7 @@ export class LivePanel {
   /** One request at a time; of what came meanwhile only the last counts. */
   private drag(pose: PoseData): void {
     this.wanted = pose;
+    if (this.query !== null) this.view.setObjects([]);  // A goal of one's own is planned in the cell of the scene.
     this.query = null;
     this.queries.value = '';
     if (!this.solving) void this.solve();

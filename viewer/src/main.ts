@@ -1,6 +1,6 @@
 /// Puts the page together.
 
-import { openSource, type PlanAnswer, type Source } from './api';
+import { openSource, type PlanAnswer, type QueryAnswer, type Source } from './api';
 import { captureIfAsked } from './capture';
 import { Clock } from './clock';
 import { button, byId, el, icon } from './dom';
@@ -56,7 +56,7 @@ class App {
         this.view.toggle(end, true);
         this.sections();
       },
-      ends: (start, goal) => this.showEnds(start, goal),
+      ends: (query) => this.showEnds(query),
     });
     byId('side').append(...(this.live ? [this.live.element] : []), this.report, this.toggles);
     this.viewButtons();
@@ -217,12 +217,14 @@ class App {
 
   // ---- parts of the page
 
-  private planned({ plan, clearance }: PlanAnswer): void {
+  private planned({ plan, clearance, objects }: PlanAnswer): void {
+    this.view.setObjects(objects);
     this.setPlan(plan, clearance ?? []);
     this.clock.play();
   }
 
-  private showEnds(start: number[], goal: number[]): void {
+  private showEnds({ start, goal, objects }: QueryAnswer): void {
+    this.view.setObjects(objects);
     this.setPlan(null, []);
     this.q = [...start];
     this.view.setEnds(start, goal);

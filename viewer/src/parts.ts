@@ -15,11 +15,35 @@ export interface Cloud {
 
 export class Parts {
   private readonly pieces: (Piece[] | null)[];
-  private readonly volumes = new Map<string, BufferGeometry | null>();
-  private readonly points = new Map<string, Cloud[]>();
+  private readonly volumes: Map<BodyData, BufferGeometry | null>[] = [new Map(), new Map()];  // Plain, padded.
+  private readonly points = new Map<BodyData, Cloud[]>();
+  private moved: BodyData[] = [];
+
+  /** The cell's bodies, each where it is now. */
+  bodies: BodyData[];
 
   constructor(readonly scene: SceneData) {
+    this.bodies = scene.bodies;
     this.pieces = scene.visuals.map((visual) => primitive(visual, scene.visuals));
+  }
+
+  /** Bodies that are elsewhere than in the scene; those of the last call are back where the scene has them. Says which links changed. */
+  setMoved(moved: BodyData[]): Set<number> {
+    const before = this.bodies;
+    for (const body of this.moved) this.forget(body);
+    this.moved = moved;
+    const byName = new Map(moved.map((body) => [body.name, body]));
+    this.bodies = this.scene.bodies.map((body) => byName.get(body.name) ?? body);
+    return new Set(this.bodies.flatMap((body, i) => (body === before[i] ? [] : [before[i].link, body.link])));
+  }
+
+  private forget(body: BodyData): void {
+    for (const volumes of this.volumes) {
+      volumes.get(body)?.dispose();
+      volumes.delete(body);
+    }
+    for (const { geometry } of this.points.get(body) ?? []) geometry.dispose();
+    this.points.delete(body);
   }
 
   /** Loads mesh files one after another; `ready` is called per link that changed. */
@@ -52,13 +76,13 @@ export class Parts {
   }
 
   bodiesOf(link: number, kind: BodyData['kind']): BodyData[] {
-    return this.scene.bodies.filter((body) => body.link === link && body.kind === kind);
+    return this.bodies.filter((body) => body.link === link && body.kind === kind);
   }
 
   /** The shapes and meshes of a body in its link's frame, inflated by its padding if asked for; null if it has none. */
   volume(body: BodyData, padded = false): BufferGeometry | null {
-    const key = `${body.name} ${padded}`;
-    let geometry = this.volumes.get(key);
+    const volumes = this.volumes[padded ? 1 : 0];
+    let geometry = volumes.get(body);
     if (geometry === undefined) {
       const padding = padded ? body.padding : 0;
       const pieces = [
@@ -66,17 +90,17 @@ export class Parts {
         ...body.surfaces.filter((surface) => !isCloud(surface)).map((surface) => meshGeometry(surface, padding)),
       ];
       geometry = pieces.length ? merge(pieces) : null;
-      this.volumes.set(key, geometry);
+      volumes.set(body, geometry);
     }
     return geometry;
   }
 
   /** The clouds of a body in its link's frame. */
   clouds(body: BodyData): Cloud[] {
-    let clouds = this.points.get(body.name);
+    let clouds = this.points.get(body);
     if (!clouds) {
       clouds = body.surfaces.filter(isCloud).map((surface) => ({ geometry: cloudGeometry(surface), radius: surface.radius }));
-      this.points.set(body.name, clouds);
+      this.points.set(body, clouds);
     }
     return clouds;
   }

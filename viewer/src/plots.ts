@@ -147,7 +147,8 @@ export class JointPanel implements Panel {
     session.scene.arms.forEach(({ name }, arm) => {
       const keys = chosen.map((entry, k) => ({ ...entry, k })).filter((entry) => entry.arm === arm);
       if (keys.length === 0) return;
-      this.legend.append(el('span', { class: 'arm' }, name));
+      const group = el('span', { class: 'keys' }, el('span', { class: 'arm' }, name));
+      this.legend.append(group);
       for (const { joint, k } of keys) {
         const key = el('button', { type: 'button', title: series[k].name, 'aria-label': `Only ${series[k].name}`, 'aria-pressed': 'false' });
         key.append(swatch(series[k]), String(joint + 1));
@@ -155,7 +156,7 @@ export class JointPanel implements Panel {
           this.only = this.only === k ? -1 : k;
           this.applyOnly();
         });
-        this.legend.append(key);
+        group.append(key);
       }
     });
     this.applyOnly();

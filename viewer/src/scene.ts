@@ -59,7 +59,7 @@ export class CellView {
     const figure = () => new Figure(scene.links.length);
     this.figures = { visual: figure(), volumes: figure(), padding: figure(), start: figure(), goal: figure(), alert: figure() };
     this.kinematics.linkPoses(scene.home, this.X_WL);
-    this.obstacles = new Furniture(scene.bodies.filter((body) => body.kind === 'obstacle'), this.X_WL, this.parts, this.bodies, this.materials);
+    this.obstacles = new Furniture(this.X_WL, this.parts, this.bodies, this.materials);
     this.stage.setGround(this.obstacles.ground);
     this.buildFrames();
     scene.links.forEach((_, link) => this.buildLink(link));
@@ -87,7 +87,7 @@ export class CellView {
   }
 
   get hasPadding(): boolean {
-    return this.scene.bodies.some((body) => body.padding > 0);
+    return this.parts.bodies.some((body) => body.padding > 0);
   }
 
   setTheme(theme: Theme): void {
@@ -113,6 +113,17 @@ export class CellView {
     this.traces.setTime(t);
     this.stage.moved();
     this.mark();
+  }
+
+  /** Objects that are elsewhere than in the scene, in hands or put down; all others are where it has them. */
+  setObjects(objects: BodyData[]): void {
+    this.setTouching([], null);
+    const links = this.parts.setMoved(objects);
+    if (links.size === 0) return;
+    this.obstacles.rebuild();
+    for (const link of links) this.buildLink(link);
+    this.show(this.q, this.time);
+    this.setEnds(this.ends[0] ?? null, this.ends[1] ?? null);
   }
 
   setPlan(motion: CellMotion | null, phases: Phase[], clearance: ClearanceSample[]): void {
@@ -148,7 +159,7 @@ export class CellView {
     this.mark();
     const names = new Set(touching.flatMap((pair) => this.bodiesOfPair(pair.pair)));
     const links = new Map<number, BodyData[]>();
-    for (const body of this.scene.bodies) {
+    for (const body of this.parts.bodies) {
       if (names.has(body.name)) links.set(body.link, [...(links.get(body.link) ?? []), body]);
     }
     for (const [link, bodies] of links) {
@@ -258,7 +269,7 @@ export class CellView {
     }
     this.stage.moved();
     this.buildVolumes(link);
-    const padded = this.scene.bodies.filter((body) => body.link === link && body.padding > 0 && body.kind !== 'obstacle');
+    const padded = this.parts.bodies.filter((body) => body.link === link && body.padding > 0 && body.kind !== 'obstacle');
     const padding = this.materials.skin('padding', arm, 0.3);
     this.figures.padding.setLink(link, padded.flatMap((body) => this.bodies.skin(body, padding, 40, true)));
     this.changed();
@@ -269,7 +280,7 @@ export class CellView {
     const arm = this.kinematics.armOfLink(link);
     const { materials } = this;
     const over = this.on.has('visual');
-    const bodies = this.scene.bodies.filter((body) => body.link === link && body.kind !== 'obstacle');
+    const bodies = this.parts.bodies.filter((body) => body.link === link && body.kind !== 'obstacle');
     this.figures.volumes.setLink(link, bodies.flatMap((body) => {
       if (over) return this.bodies.skin(body, materials.skin('volume', arm, 0.45), 30);
       return this.bodies.solid(body, body.kind === 'attached' ? materials.attached() : materials.shell(arm, 0.75));

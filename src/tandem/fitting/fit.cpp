@@ -62,11 +62,13 @@ Result<MeshFit> fit_mesh(const TriangleMesh& mesh_L, const FitOptions& options,
   expects(options.count >= 1, "fit_mesh: at least one volume");
   expects(options.starts >= 1, "fit_mesh: at least one start");
   expects(options.padding >= 0 && std::isfinite(options.padding), "fit_mesh: padding >= 0");
+  expects(options.kinds.any(), "fit_mesh: at least one kind of volume");
   const auto begin = Clock::now();
   if (auto good = check_mesh(mesh_L); !good) return std::unexpected(good.error());
   const Solid solid(mesh_L);
   Rng rng(options.seed);
-  const Candidate found = search(mesh_L, solid, {options.count, options.starts}, rng, stop);
+  const Candidate found =
+      search(mesh_L, solid, {options.count, options.starts, options.kinds}, rng, stop);
   if (stop.cancelled()) return std::unexpected(stop.error("fitting volumes"));
   MeshFit fit;
   fit.cut_short = stop.timed_out();

@@ -1,6 +1,7 @@
 #pragma once
 /// Swept sphere volumes for the links of a robot.
 
+#include <bitset>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -20,6 +21,9 @@ struct FitOptions {
   std::uint64_t seed = 1;  ///< Same seed, same volumes, unless the time ran out.
   int starts = 40;         ///< Searches begun per number of volumes, >= 1; more find tighter ones.
   double padding = 0;      ///< [m] >= 0 by which the volumes are swept further.
+  /// Which may be used, at least one: spheres, capsules, rounded rectangles, rounded boxes, by the
+  /// number of their extents. One with extents of next to nothing comes out simpler all the same.
+  std::bitset<4> kinds = 0b1111;
 };
 
 /// Volumes, proven to contain a mesh, and what they add to it (before padding).

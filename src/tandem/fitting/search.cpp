@@ -214,7 +214,8 @@ Core core_for(const std::vector<Vector3d>& points, int dims, bool principal) {
 
 /// `cores` with one of them, at random, replaced by two that share its points; empty if it has too
 /// few to share.
-std::vector<Core> split(const Problem& problem, std::vector<Core> cores, Rng& rng) {
+std::vector<Core> split(const Problem& problem, std::vector<Core> cores, std::bitset<4> kinds,
+                        Rng& rng) {
   constexpr std::size_t kFewest = 4;
   const std::size_t i = rng.index(cores.size());
   const std::vector<Vector3d> part = by_owner(problem, cores)[i];
@@ -232,10 +233,23 @@ std::vector<Core> split(const Problem& problem, std::vector<Core> cores, Rng& rn
   if (halves[0].size() < kFewest || halves[1].size() < kFewest) return {};
   for (Core& core : cores) core.offset = core.radius;
   constexpr int kKinds[] = {1, 1, 1, 2, 3, 0};
-  const auto kind = [&] { return kKinds[rng.index(std::size(kKinds))]; };
+  const auto kind = [&] {
+    for (;;) {
+      const int dims = kKinds[rng.index(std::size(kKinds))];
+      if (kinds[static_cast<std::size_t>(dims)]) return dims;
+    }
+  };
   cores[i] = core_for(halves[0], kind(), rng.index(2) == 0);
   cores.push_back(core_for(halves[1], kind(), rng.index(2) == 0));
   return cores;
+}
+
+std::vector<int> dims_of(std::bitset<4> kinds) {
+  std::vector<int> dims;
+  for (std::size_t d = 0; d < kinds.size(); ++d) {
+    if (kinds[d]) dims.push_back(static_cast<int>(d));
+  }
+  return dims;
 }
 
 constexpr int kShort = 300, kLong = 1500;  // Rounds.
@@ -245,11 +259,12 @@ void keep_cheaper(Candidate& best, Candidate other) {
 }
 
 /// The best of one volume of any kind.
-Candidate single(const Problem& problem, Rng& rng, const StopCondition& stop) {
+Candidate single(const Problem& problem, std::bitset<4> kinds, Rng& rng,
+                 const StopCondition& stop) {
   std::vector<Vector3d> all;
   for (std::size_t i = 0; i < problem.surface.size(); ++i) all.push_back(problem.surface[i]);
   Candidate best;
-  for (int dims = 0; dims <= 3; ++dims) {
+  for (const int dims : dims_of(kinds)) {
     for (const bool principal : {false, true}) {
       keep_cheaper(best, improved(problem, {core_about(all, dims, principal)}, kShort, rng, stop));
     }
@@ -258,14 +273,14 @@ Candidate single(const Problem& problem, Rng& rng, const StopCondition& stop) {
 }
 
 /// Tries other kinds for every core.
-Candidate with_other_kinds(const Problem& problem, Candidate best, Rng& rng,
+Candidate with_other_kinds(const Problem& problem, Candidate best, std::bitset<4> kinds, Rng& rng,
                            const StopCondition& stop) {
   for (std::size_t i = 0; i < best.cores.size(); ++i) {
     const std::vector<Core> base = best.cores;  // The best may come to have fewer.
     const auto part = by_owner(problem, base)[i];
     if (part.size() < 4) continue;
-    for (int dims = 0; dims <= 3 && !stop(); ++dims) {
-      if (dims == base[i].dims) continue;
+    for (const int dims : dims_of(kinds)) {
+      if (dims == base[i].dims || stop()) continue;
       for (const bool principal : {false, true}) {
         std::vector<Core> cores = base;
         for (Core& core : cores) core.offset = core.radius;
@@ -341,13 +356,15 @@ Candidate search(const TriangleMesh& mesh, const Solid& solid, SearchSize size, 
   constexpr std::size_t kKept = 3;
   const Problem coarse(mesh, solid, 0.25);
   Problem fine(mesh, solid, 1);
-  std::vector<Candidate> last{single(coarse, rng, stop)};  // The best of the last count.
+  std::vector<Candidate> last{
+      single(coarse, size.kinds, rng, stop)};  // The best of the last count.
   Candidate best =
       settled(mesh, fine, improved(fine, last.front().cores, kLong, rng, stop), rng, stop);
   for (int more = 2; more <= size.count && !stop(); ++more) {
     std::vector<Candidate> pool;
     for (int start = 0; start < size.starts && !stop(); ++start) {
-      const std::vector<Core> cores = split(coarse, last[rng.index(last.size())].cores, rng);
+      const std::vector<Core> cores =
+          split(coarse, last[rng.index(last.size())].cores, size.kinds, rng);
       if (!cores.empty()) pool.push_back(improved(coarse, cores, kShort, rng, stop));
     }
     std::ranges::stable_sort(pool, {}, &Candidate::cost);
@@ -355,7 +372,7 @@ Candidate search(const TriangleMesh& mesh, const Solid& solid, SearchSize size, 
     if (pool.empty()) break;
     Candidate next;
     for (Candidate& candidate : pool) {
-      candidate = with_other_kinds(coarse, std::move(candidate), rng, stop);
+      candidate = with_other_kinds(coarse, std::move(candidate), size.kinds, rng, stop);
       keep_cheaper(next, improved(fine, candidate.cores, kLong, rng, stop));
     }
     keep_cheaper(best, settled(mesh, fine, std::move(next), rng, stop));

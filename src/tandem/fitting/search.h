@@ -1,6 +1,7 @@
 #pragma once
 /// The search for volumes that contain points with little excess. Private to this folder.
 
+#include <bitset>
 #include <vector>
 
 #include "tandem/core/rng.h"
@@ -35,8 +36,9 @@ struct Candidate {
 inline constexpr double kPrices[] = {0.3e-3, 0.5e-3, 1.5e-3, 4.0e-3};
 
 struct SearchSize {
-  int count;   ///< Most volumes.
-  int starts;  ///< Per number of volumes.
+  int count;                      ///< Most volumes.
+  int starts;                     ///< Per number of volumes.
+  std::bitset<4> kinds = 0b1111;  ///< That may be used, by `Core::dims`.
 };
 
 /// Searches for volumes, which contain all of `mesh` in the end. Deterministic

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tandem/core/bounds.h"
 #include "tandem/geometry/mesh_file.h"
 
 namespace tandem::io {
@@ -143,6 +144,14 @@ Shape read_shape(const std::string& kind, const YamlNode& map, const NamedPaths&
   return kind == "box" ? read_box(map) : read_cylinder(map);
 }
 
+Eigen::Vector3d read_position(const YamlNode& node) {
+  const Eigen::Vector3d xyz = node.numbers(3);
+  if (xyz.cwiseAbs().maxCoeff() > kFarthest) {
+    node.refuse(node.label() + " is farther than 1e8 m; are these metres?");
+  }
+  return xyz;
+}
+
 Eigen::Matrix3d read_rpy(const YamlNode& node) {
   const Eigen::Vector3d rpy = node.numbers(3) * (std::numbers::pi / 180.0);
   return (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
@@ -171,7 +180,7 @@ const std::vector<std::string>& pose_keys() {
 
 Eigen::Isometry3d read_pose_in(const YamlNode& map) {
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
-  if (const YamlNode* xyz = map.find("xyz")) X.translation() = Eigen::Vector3d(xyz->numbers(3));
+  if (const YamlNode* xyz = map.find("xyz")) X.translation() = read_position(*xyz);
   const YamlNode* rpy = map.find("rpy_deg");
   const YamlNode* quaternion = map.find("quat_wxyz");
   if (rpy && quaternion) {

@@ -45,7 +45,9 @@ Result<BenchResult> bench(const std::shared_ptr<const world::Workcell>& cell, in
   }
   // Each query starts from the intended goal of the one before, and in the scene intended there, so
   // all ends and scenes are known beforehand.
-  const auto queries = resolve_all(cell, **asked, options.seed);
+  const auto queries =
+      resolve_all(cell, **asked, options.seed,
+                  StopCondition::after(std::numeric_limits<double>::infinity(), options.token));
   if (!queries) return std::unexpected(queries.error());
 
   BenchResult result{cell->name(), options, 0, {}, {}, std::string(list)};

@@ -88,7 +88,8 @@ Result<Plan> plan(const std::shared_ptr<const world::Workcell>& given, const Res
 
 Result<Plan> plan(const std::shared_ptr<const world::Workcell>& cell, const world::Query& query,
                   const PlanOptions& options, PlanReport* report) {
-  auto resolved = resolve(cell, query, options.seed);
+  auto resolved =
+      resolve(cell, query, options.seed, StopCondition::after(options.deadline, options.token));
   if (!resolved) return std::unexpected(resolved.error());
   return plan(cell, *resolved, options, report);
 }

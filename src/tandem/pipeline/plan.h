@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tandem/core/result.h"
+#include "tandem/core/stop.h"
 #include "tandem/motion/joint_path.h"
 #include "tandem/motion/piecewise_cubic.h"
 #include "tandem/pipeline/report.h"
@@ -31,7 +32,7 @@ struct PlanOptions {
   Strategy strategy = Strategy::kCentralized;
   Preset preset = Preset::kDefault;
   std::uint64_t seed = 1;
-  double deadline = 5.0;  ///< [s] of wall time, > 0.
+  double deadline = 5.0;  ///< [s] of wall time, > 0; to resolve a query, and again to plan it.
   std::stop_token token = {};
   bool plpp = true;         ///< Shorten the tools' paths (the path length post-processor).
   bool keep_phases = true;  ///< Keep the intermediate paths in the report.
@@ -51,7 +52,7 @@ struct Plan {
   Strategy strategy;
   Preset preset;
   std::uint64_t seed;
-  bool plpp;  ///< Whether the path length post-processor was part of it.
+  bool plpp;           ///< Whether the path length post-processor was part of it.
   ResolvedQuery ends;  ///< With the cell that was planned in.
   motion::CellMotion trajectory;
   PlanReport report;
@@ -67,14 +68,16 @@ struct PathPlan {
 /// by inverse kinematics with collision-free solutions only, missing starts taken from the goal of
 /// the query before, objects attached and detached by all queries of its list up to it. A query of
 /// the cell starts from the cell's file; any other, from the cell as it is given.
-/// @return kInfeasible or kNotFound naming the query, arm, pose and reason.
+/// @return kInfeasible or kNotFound naming the query, arm, pose and reason; the stop's error.
 Result<ResolvedQuery> resolve(const std::shared_ptr<const world::Workcell>& cell,
-                              const world::Query& query, std::uint64_t seed = 1);
+                              const world::Query& query, std::uint64_t seed = 1,
+                              const StopCondition& stop = {});
 
 /// Queries that follow each other, the first from the cell's file. Same errors.
 Result<std::vector<ResolvedQuery>> resolve_all(const std::shared_ptr<const world::Workcell>& cell,
                                                const std::vector<world::Query>& queries,
-                                               std::uint64_t seed = 1);
+                                               std::uint64_t seed = 1,
+                                               const StopCondition& stop = {});
 
 /// kInfeasible naming the joint or the touching pair and depth if an end cannot be stood at.
 /// @param cell  for a query without a cell of its own, here and below.

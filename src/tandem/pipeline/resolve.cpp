@@ -19,12 +19,18 @@ struct Placement {
   world::ArmMask placed = 0;
 };
 
+/// How inverse kinematics searches.
+struct Search {
+  std::uint64_t seed;
+  const StopCondition& stop;
+};
+
 world::ArmMask bit(int arm) { return world::ArmMask{1} << arm; }
 
 /// Solves a pose for one arm, free of collisions with the world, itself and the arms placed so far.
 Result<Eigen::VectorXd> solve_pose(const std::shared_ptr<const Workcell>& cell, int arm,
                                    const Eigen::Isometry3d& X_WE, const Placement& so_far,
-                                   std::uint64_t seed) {
+                                   const Search& search) {
   const world::Arm& a = cell->arms()[static_cast<std::size_t>(arm)];
   const collision::SsvChecker checker(cell);
   const auto scratch = checker.make_scratch();
@@ -39,7 +45,7 @@ Result<Eigen::VectorXd> solve_pose(const std::shared_ptr<const Workcell>& cell, 
   cell->positions(so_far.q, problem.positions);
   problem.X_WE = X_WE;
   robot::IkOptions options;
-  options.seed = seed;
+  options.seed = search.seed;
   const auto validity = [&](const Eigen::VectorXd& positions) -> std::string {
     for (int j = 0; j < a.dof(); ++j) {
       q[a.offset + j] = positions[a.columns[static_cast<std::size_t>(j)]];
@@ -48,7 +54,7 @@ Result<Eigen::VectorXd> solve_pose(const std::shared_ptr<const Workcell>& cell, 
     const int pair = checker.least_clearance(q, selection, *scratch).pair;
     return cell->describe_pair(pair) + " touch";
   };
-  auto positions = robot::solve_ik(problem, options, validity);
+  auto positions = robot::solve_ik(problem, options, validity, search.stop);
   if (!positions) return std::unexpected(positions.error());
   Eigen::VectorXd values(a.dof());
   for (int j = 0; j < a.dof(); ++j) {
@@ -60,7 +66,7 @@ Result<Eigen::VectorXd> solve_pose(const std::shared_ptr<const Workcell>& cell, 
 /// Places every arm that has a goal: joint values and named states first, then poses in arm order.
 Result<void> place(const std::shared_ptr<const Workcell>& cell,
                    const std::vector<std::optional<world::ArmGoal>>& goals, const std::string& what,
-                   std::uint64_t seed, Placement& placement) {
+                   const Search& search, Placement& placement) {
   const auto set = [&](int arm, const Eigen::VectorXd& values) {
     const world::Arm& a = cell->arms()[static_cast<std::size_t>(arm)];
     placement.q.segment(a.offset, a.dof()) = values;
@@ -84,7 +90,7 @@ Result<void> place(const std::shared_ptr<const Workcell>& cell,
     const auto& goal = goals[static_cast<std::size_t>(i)];
     if (!goal) continue;
     if (const auto* pose = std::get_if<world::PoseGoal>(&*goal)) {
-      auto values = solve_pose(cell, i, pose->X_WE, placement, seed);
+      auto values = solve_pose(cell, i, pose->X_WE, placement, search);
       if (!values) return fail(values.error().code, name(i) + ": " + values.error().message);
       set(i, *values);
     }
@@ -110,17 +116,17 @@ struct Standing {
 
 /// The query, from how the one before left things.
 Result<ResolvedQuery> follow(const Standing& before, const world::Query& query,
-                             std::uint64_t seed) {
+                             const Search& search) {
   const auto what = [&](const char* end) { return end + (" of query '" + query.name + "'"); };
   Placement start = standing(*before.cell, before.q, query.start);
-  auto placed = place(before.cell, query.start, what("start"), seed, start);
+  auto placed = place(before.cell, query.start, what("start"), search, start);
   if (!placed) return std::unexpected(placed.error());
   auto cell = world::after_changes(before.cell, query.changes, start.q);
   if (!cell) {
     return fail(cell.error().code, "query '" + query.name + "': " + cell.error().message);
   }
   Placement goal = standing(**cell, start.q, query.goal);
-  placed = place(*cell, query.goal, what("goal"), seed, goal);
+  placed = place(*cell, query.goal, what("goal"), search, goal);
   if (!placed) return std::unexpected(placed.error());
   return ResolvedQuery{query.name, start.q, goal.q, std::move(*cell)};
 }
@@ -143,7 +149,7 @@ Result<void> check_first(const Workcell& cell, const world::Query& query) {
 using Queries = std::span<const world::Query>;
 
 Result<ResolvedQuery> follow_all(const std::shared_ptr<const Workcell>& cell, Queries queries,
-                                 std::uint64_t seed,
+                                 const Search& search,
                                  const std::function<void(const ResolvedQuery&)>& visit = {}) {
   if (auto first = check_first(*cell, queries.front()); !first) {
     return std::unexpected(first.error());
@@ -151,7 +157,7 @@ Result<ResolvedQuery> follow_all(const std::shared_ptr<const Workcell>& cell, Qu
   Standing at{cell, Eigen::VectorXd::Zero(cell->dof())};
   Result<ResolvedQuery> resolved;
   for (const world::Query& query : queries) {
-    resolved = follow(at, query, seed);
+    resolved = follow(at, query, search);
     if (!resolved) return resolved;
     if (visit) visit(*resolved);
     at = {resolved->cell, resolved->goal};
@@ -168,12 +174,13 @@ Result<std::shared_ptr<const Workcell>> at_first(const std::shared_ptr<const Wor
 }  // namespace
 
 Result<ResolvedQuery> resolve(const std::shared_ptr<const Workcell>& cell,
-                              const world::Query& query, std::uint64_t seed) {
+                              const world::Query& query, std::uint64_t seed,
+                              const StopCondition& stop) {
   expects(cell != nullptr, "resolve needs a workcell");
   expects(query.start.size() == cell->arms().size() && query.goal.size() == cell->arms().size(),
           "a query has one start and one goal entry per arm");
   const std::vector<world::Query>* list = cell->list_of(query.name);
-  if (list == nullptr) return follow_all(cell, {&query, 1}, seed);
+  if (list == nullptr) return follow_all(cell, {&query, 1}, {seed, stop});
   const auto own = std::ranges::find(*list, query.name, &world::Query::name);
   // From the last query that says where every arm is, unless one before it changed the scene.
   auto first = own;
@@ -185,19 +192,19 @@ Result<ResolvedQuery> resolve(const std::shared_ptr<const Workcell>& cell,
   chain.push_back(query);
   const auto base = at_first(cell);
   if (!base) return std::unexpected(base.error());
-  return follow_all(*base, chain, seed);
+  return follow_all(*base, chain, {seed, stop});
 }
 
 Result<std::vector<ResolvedQuery>> resolve_all(const std::shared_ptr<const Workcell>& cell,
                                                const std::vector<world::Query>& queries,
-                                               std::uint64_t seed) {
+                                               std::uint64_t seed, const StopCondition& stop) {
   expects(cell != nullptr, "resolve needs a workcell");
   std::vector<ResolvedQuery> resolved;
   if (queries.empty()) return resolved;
   const auto base = at_first(cell);
   if (!base) return std::unexpected(base.error());
-  const auto last =
-      follow_all(*base, queries, seed, [&](const ResolvedQuery& one) { resolved.push_back(one); });
+  const auto last = follow_all(*base, queries, {seed, stop},
+                               [&](const ResolvedQuery& one) { resolved.push_back(one); });
   if (!last) return std::unexpected(last.error());
   return resolved;
 }

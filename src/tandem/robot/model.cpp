@@ -4,6 +4,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "tandem/core/bounds.h"
 #include "tandem/core/contract.h"
 
 namespace tandem::robot {
@@ -141,8 +142,11 @@ std::string limit_fault(const JointLimits& limits) {
 Result<void> check_joint(Joint& joint) {
   const std::string name =
       (joint.where.empty() ? "" : joint.where + ": ") + "joint '" + joint.name + "': ";
-  if (!joint.X_PJ.matrix().allFinite() || !joint.X_PJ.linear().isUnitary(1e-6)) {
-    return invalid(name + "its frame in the parent link is not a finite rotation and translation");
+  if (!joint.X_PJ.matrix().allFinite() || !joint.X_PJ.linear().isUnitary(1e-6) ||
+      joint.X_PJ.translation().cwiseAbs().maxCoeff() > kFarthest) {
+    return invalid(name +
+                   "its frame in the parent link is not a rotation and a translation of at most "
+                   "1e8 m");
   }
   if (joint.type == JointType::kFixed) {
     joint.mimic.reset();
@@ -170,8 +174,8 @@ Result<void> resolve_mimic(std::vector<Joint>& joints, Joint& joint) {
       return invalid(name + "it follows joint index " + std::to_string(mimic.joint) +
                      ", which does not exist");
     }
-    if (!std::isfinite(mimic.multiplier) || !std::isfinite(mimic.offset)) {
-      return invalid(name + "its mimic multiplier and offset must be finite");
+    if (!(std::abs(mimic.multiplier) <= kFarthest && std::abs(mimic.offset) <= kFarthest)) {
+      return invalid(name + "its mimic multiplier and offset must be finite, at most 1e8");
     }
     const Joint& source = joints[at(mimic.joint)];
     if (source.type == JointType::kFixed) {
@@ -181,6 +185,7 @@ Result<void> resolve_mimic(std::vector<Joint>& joints, Joint& joint) {
       return invalid(name + "it follows itself through its mimic chain");
     }
     if (!source.mimic) return {};
+    // Checked again in the next round: products of factors grow.
     mimic = {source.mimic->joint, mimic.multiplier * source.mimic->multiplier,
              mimic.multiplier * source.mimic->offset + mimic.offset};
   }

@@ -3,6 +3,7 @@
 #include <map>
 #include <numbers>
 
+#include "tandem/core/bounds.h"
 #include "tandem/core/file.h"
 #include "tandem/core/names.h"
 #include "tandem/robot/xml_reader.h"
@@ -20,6 +21,10 @@ Eigen::Isometry3d read_origin(const XmlElement& parent) {
   }
   const Eigen::Vector3d rpy = origin->vector3("rpy", Eigen::Vector3d::Zero());
   X.translation() = origin->vector3("xyz", Eigen::Vector3d::Zero());
+  if (X.translation().cwiseAbs().maxCoeff() > kFarthest) {
+    origin->fail("xyz=\"" + *origin->attribute("xyz") +
+                 "\": farther than 1e8 m; are these metres?");
+  }
   X.linear() = (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
                 Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
                 Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))

@@ -68,7 +68,9 @@ Answer Answers::query(const std::string& name) {
   }
   const Result<pipeline::ResolvedQuery>& ends = known->second;
   if (!ends) return failure(ends.error());
-  return {200, text_of({{"start", values_json(ends->start)}, {"goal", values_json(ends->goal)}})};
+  return {200, "{\"start\":" + text_of(values_json(ends->start)) +
+                   ",\"goal\":" + text_of(values_json(ends->goal)) +
+                   ",\"objects\":" + describe_moved(*cell_, *ends->cell) + "}"};
 }
 
 Answer Answers::plan(const std::string& body, std::stop_token token) {
@@ -91,7 +93,8 @@ Answer Answers::plan(const std::string& body, std::stop_token token) {
   } done{planning_};
   pipeline::PlanOptions options = request->options;
   options.token = std::move(token);
-  const auto ends = query ? pipeline::resolve(cell_, *query, options.seed) : *request->ends;
+  const auto stop = StopCondition::after(options.deadline, options.token);
+  const auto ends = query ? pipeline::resolve(cell_, *query, options.seed, stop) : *request->ends;
   if (!ends) return failure(ends.error());
   const auto plan = pipeline::plan(cell_, *ends, options);
   if (!plan) {
@@ -103,7 +106,8 @@ Answer Answers::plan(const std::string& body, std::stop_token token) {
   const auto text = plan_json_(*plan);
   if (!text) return failure(text.error());
   return {200, "{\"plan\":" + *text + ",\"clearance\":" +
-                   describe_clearance(plan->ends.cell, plan->trajectory, kClearanceRate) + "}"};
+                   describe_clearance(plan->ends.cell, plan->trajectory, kClearanceRate) +
+                   ",\"objects\":" + describe_moved(*cell_, *plan->ends.cell) + "}"};
 }
 
 Answer Answers::ik(const std::string& body, std::stop_token token) const {

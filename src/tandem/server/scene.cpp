@@ -163,21 +163,30 @@ Json visuals_json(const world::Workcell& cell, std::vector<std::filesystem::path
   return visuals;
 }
 
+Json body_json(const world::Body& body) {
+  Json shapes = Json::array();
+  for (const geometry::Shape& shape : body.shapes_L) shapes.push_back(shape_json(shape));
+  Json surfaces = Json::array();
+  for (const auto& surface : body.surfaces_L) surfaces.push_back(surface_json(surface));
+  return {{"name", body.name}, {"kind", to_string(body.kind)},
+          {"link", body.link}, {"padding", body.padding},
+          {"shapes", shapes},  {"surfaces", surfaces}};
+}
+
 Json bodies_json(const world::Workcell& cell) {
   Json bodies = Json::array();
-  for (const world::Body& body : cell.bodies()) {
-    Json shapes = Json::array();
-    for (const geometry::Shape& shape : body.shapes_L) shapes.push_back(shape_json(shape));
-    Json surfaces = Json::array();
-    for (const auto& surface : body.surfaces_L) surfaces.push_back(surface_json(surface));
-    bodies.push_back({{"name", body.name},
-                      {"kind", to_string(body.kind)},
-                      {"link", body.link},
-                      {"padding", body.padding},
-                      {"shapes", shapes},
-                      {"surfaces", surfaces}});
-  }
+  for (const world::Body& body : cell.bodies()) bodies.push_back(body_json(body));
   return bodies;
+}
+
+/// Queries by the names that planning knows them by.
+Json queries_json(const world::Workcell& cell) {
+  Json names = Json::array();
+  for (const world::Query& query : cell.queries()) names.push_back(query.name);
+  for (const world::QueryList& list : cell.lists()) {
+    for (const world::Query& query : list.queries) names.push_back(query.name);
+  }
+  return names;
 }
 
 Json arms_json(const world::Workcell& cell) {
@@ -237,14 +246,22 @@ Json home_json(const world::Workcell& cell) {
 
 Scene describe_scene(const world::Workcell& cell) {
   Scene scene;
-  Json queries = Json::array();
-  for (const world::Query& query : cell.queries()) queries.push_back(query.name);
-  const Json json = {{"name", cell.name()},         {"links", links_json(cell)},
-                     {"bodies", bodies_json(cell)}, {"visuals", visuals_json(cell, scene.meshes)},
-                     {"arms", arms_json(cell)},     {"joints", joints_json(cell)},
-                     {"queries", queries},          {"home", home_json(cell)}};
+  const Json json = {{"name", cell.name()},           {"links", links_json(cell)},
+                     {"bodies", bodies_json(cell)},   {"visuals", visuals_json(cell, scene.meshes)},
+                     {"arms", arms_json(cell)},       {"joints", joints_json(cell)},
+                     {"queries", queries_json(cell)}, {"home", home_json(cell)}};
   scene.json = text_of(json);
   return scene;
+}
+
+std::string describe_moved(const world::Workcell& shown, const world::Workcell& cell) {
+  const auto& here = shown.scene().objects;
+  const auto& there = cell.scene().objects;
+  Json bodies = Json::array();
+  for (const world::Body& body : cell.bodies()) {
+    if (here.contains(body.name) || there.contains(body.name)) bodies.push_back(body_json(body));
+  }
+  return text_of(bodies);
 }
 
 std::string describe_clearance(const std::shared_ptr<const world::Workcell>& cell,

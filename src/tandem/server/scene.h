@@ -18,8 +18,12 @@ struct Scene {
 };
 
 /// Links with their joints, bodies with their shapes and surfaces, visual geometry, arms, limits,
-/// queries, and a configuration to show while there is no other.
+/// queries of all lists, and a configuration to show while there is no other.
 Scene describe_scene(const world::Workcell& cell);
+
+/// The bodies, as in the scene of `shown`, of all objects that are elsewhere in `cell`, which is
+/// the same in another scene.
+std::string describe_moved(const world::Workcell& shown, const world::Workcell& cell);
 
 inline constexpr double kClearanceRate = 50;  ///< [Hz] that the page is given.
 

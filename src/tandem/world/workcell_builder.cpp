@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <sstream>
 
 #include "tandem/core/contract.h"
 #include "tandem/core/names.h"
@@ -44,6 +45,26 @@ std::string missing_limit(const robot::JointLimits& limits) {
   if (!std::isfinite(limits.velocity)) return "velocity";
   if (!std::isfinite(limits.acceleration)) return "acceleration";
   return "";
+}
+
+/// What a planner cannot work with, or "": ranges and steps through them would overflow.
+std::string absurd_limit(const robot::JointLimits& limits) {
+  constexpr double kFastest = 1e12;  // Per s, s^2, s^3.
+  const auto beyond = [](const char* name, double value, double most, const char* text) {
+    std::ostringstream words;
+    words << "a " << name << " limit of " << value << ", it must be at most " << text;
+    return std::abs(value) > most ? words.str() : "";
+  };
+  for (const double end : {limits.lower, limits.upper}) {
+    if (auto fault = beyond("position", end, kFarthest, "1e8 rad or m"); !fault.empty()) {
+      return fault + "; a joint that turns without end may have several turns";
+    }
+  }
+  for (const auto& [name, value] :
+       {std::pair{"velocity", limits.velocity}, {"acceleration", limits.acceleration}}) {
+    if (auto fault = beyond(name, value, kFastest, "1e12"); !fault.empty()) return fault;
+  }
+  return std::isfinite(limits.jerk) ? beyond("jerk", limits.jerk, kFastest, "1e12") : "";
 }
 
 }  // namespace
@@ -96,7 +117,7 @@ Result<void> WorkcellBuilder::check_names() const {
     }
     if (!is_rigid(robot.X_WB)) {
       return refuse(ErrorCode::kInvalidInput, robot.where,
-                    "robot '" + robot.name + "': its base pose is not a rigid pose");
+                    "robot '" + robot.name + "': its base pose is not a rigid pose within 1e8 m");
     }
   }
   Result<void> done = check_unique(spec.robots, "robot");
@@ -155,7 +176,9 @@ Result<void> WorkcellBuilder::resolve_arm(const ArmSpec& spec) {
     return fail(ErrorCode::kInvalidInput,
                 "it needs either an SRDF group, or a base and a tip link, not both");
   }
-  if (!is_rigid(spec.X_LE)) return fail(ErrorCode::kInvalidInput, "its tool is not a rigid pose");
+  if (!is_rigid(spec.X_LE)) {
+    return fail(ErrorCode::kInvalidInput, "its tool is not a rigid pose within 1e8 m");
+  }
   const int index = static_cast<int>(robot - robots.begin());
   Result<Arm> arm = spec.base.empty() ? find_group(spec, index) : find_chain(spec, index);
   if (!arm) return std::unexpected(arm.error());
@@ -261,6 +284,9 @@ Result<void> WorkcellBuilder::stack_joint(const Arm& arm, int joint) {
                     local + ": ...}` of robot '" +
                     cell_->spec_.robots[static_cast<std::size_t>(arm.robot)].name + "'");
   }
+  if (const std::string fault = absurd_limit(j.limits); !fault.empty()) {
+    return fail(ErrorCode::kInvalidInput, "joint '" + j.name + "' has " + fault);
+  }
   owner = static_cast<int>(cell_->arms_.size());
   cell_->joint_names_.push_back(j.name);
   cell_->limits_.push_back(j.limits);
@@ -304,6 +330,10 @@ Result<void> WorkcellBuilder::fix_positions() {
                       who + " stands at " + std::to_string(value) + ", outside its limits [" +
                           std::to_string(joint.limits.lower) + ", " +
                           std::to_string(joint.limits.upper) + "]");
+      }
+      if (std::abs(value) > kFarthest) {
+        return refuse(ErrorCode::kInvalidInput, robot.where,
+                      who + " stands beyond 1e8 rad or m; give it a value near 0");
       }
       fixed[joint.position_index] = value;
     }
@@ -408,7 +438,7 @@ Result<void> WorkcellBuilder::check_goal(int arm, const ArmGoal& goal) const {
       return std::unexpected(values.error());
     }
   } else if (!is_rigid(std::get<PoseGoal>(goal).X_WE)) {
-    return fail(ErrorCode::kInvalidInput, "the goal pose is not a rigid pose");
+    return fail(ErrorCode::kInvalidInput, "the goal pose is not a rigid pose within 1e8 m");
   }
   return {};
 }

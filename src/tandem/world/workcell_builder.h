@@ -3,6 +3,7 @@
 
 #include <unordered_map>
 
+#include "tandem/core/bounds.h"
 #include "tandem/world/link_geometry.h"
 #include "tandem/world/workcell.h"
 
@@ -77,9 +78,10 @@ inline std::unexpected<Error> refuse(ErrorCode code, const std::string& where,
   return fail(code, where.empty() ? message : where + ": " + message);
 }
 
+/// A rotation and a translation that is no mistake.
 inline bool is_rigid(const Eigen::Isometry3d& X) {
-  return X.matrix().allFinite() && (X.linear() * X.linear().transpose()).isIdentity(1e-6) &&
-         X.linear().determinant() > 0;
+  return X.matrix().allFinite() && X.translation().cwiseAbs().maxCoeff() <= kFarthest &&
+         (X.linear() * X.linear().transpose()).isIdentity(1e-6) && X.linear().determinant() > 0;
 }
 
 }  // namespace tandem::world

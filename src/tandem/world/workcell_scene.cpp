@@ -190,7 +190,7 @@ Result<void> WorkcellBuilder::check_scene() const {
     }
     if (!is_rigid(object.X_LO)) {
       return refuse(ErrorCode::kInvalidInput, object.where,
-                    "the pose of '" + name + "' is not a rigid pose");
+                    "the pose of '" + name + "' is not a rigid pose within 1e8 m");
     }
     if (!object.carried()) continue;
     const auto link = find_carrier(*cell_, name, object.link, object.where);
