@@ -5,9 +5,9 @@
 #include "commands.h"
 #include "options.h"
 #include "stop_signals.h"
-#include "tandem/collision/ssv_checker.h"
 #include "tandem/io/moveit_scene.h"
 #include "tandem/io/plan_file.h"
+#include "tandem/pipeline/planner.h"
 
 namespace tandem::app {
 
@@ -24,20 +24,20 @@ struct CheckCommand {
 
 using Cell = std::shared_ptr<const world::Workcell>;
 
-Result<QueryCheck> check_query(const Cell& cell, const world::Query& query, std::uint64_t seed,
-                               const StopCondition& stop) {
+Result<QueryCheck> check_query(const pipeline::Planner& planner, const world::Query& query,
+                               std::uint64_t seed, const StopCondition& stop) {
   QueryCheck check;
   check.name = query.name;
-  auto resolved = pipeline::resolve(cell, query, seed, stop);
+  auto resolved = planner.resolve(query, seed, stop);
   if (!resolved) {
     if (stop()) return std::unexpected(resolved.error());
     check.reason = resolved.error().message;
     return check;
   }
   check.ends = std::move(*resolved);
-  const collision::SsvChecker checker(check.ends->cell ? check.ends->cell : cell);
-  check.start = pipeline::examine(checker, check.ends->start);
-  check.goal = pipeline::examine(checker, check.ends->goal);
+  const auto compiled = planner.compiled(check.ends->cell);
+  check.start = pipeline::examine(compiled->exact(), check.ends->start);
+  check.goal = pipeline::examine(compiled->exact(), check.ends->goal);
   return check;
 }
 
@@ -82,6 +82,7 @@ int run(const CheckCommand& command) {
     if (!written) return report("check", written.error());
   }
   if (command.suggest) return suggest(command, *cell, signals.token());
+  const pipeline::Planner planner(cell);
   std::vector<QueryCheck> queries;
   std::vector<world::Query> all = cell->queries();
   for (const world::QueryList& list : cell->lists()) {
@@ -89,7 +90,7 @@ int run(const CheckCommand& command) {
   }
   const auto stop = StopCondition::after(std::numeric_limits<double>::infinity(), signals.token());
   for (const world::Query& query : all) {
-    auto checked = check_query(cell, query, command.seed, stop);
+    auto checked = check_query(planner, query, command.seed, stop);
     if (!checked) return report("check", checked.error());
     queries.push_back(std::move(*checked));
   }

@@ -95,12 +95,12 @@ Result<Shown> load(const ViewCommand& command) {
     return fail(ErrorCode::kInvalidInput, command.shown + ": " + why);
   }
   std::ifstream stream(command.shown, std::ios::binary);
-  return Shown{
-      *cell,
-      {.scene = server::describe_scene(**cell),
-       .plan = {std::istreambuf_iterator<char>(stream), {}},
-       .clearance = server::describe_clearance(*cell, plan->trajectory, server::kClearanceRate)},
-      plan->trajectory.duration()};
+  return Shown{*cell,
+               {.scene = server::describe_scene(**cell),
+                .plan = {std::istreambuf_iterator<char>(stream), {}},
+                .clearance = server::describe_clearance(collision::CompiledCell(*cell),
+                                                        plan->trajectory, server::kClearanceRate)},
+               plan->trajectory.duration()};
 }
 
 Result<void> check_times(const ViewCommand& command, const Shown& shown) {

@@ -3,7 +3,7 @@
 
 #include "tandem/io/plan_file.h"
 #include "tandem/io/workcell_yaml.h"
-#include "tandem/pipeline/plan.h"
+#include "tandem/pipeline/planner.h"
 
 namespace tandem {
 
@@ -12,6 +12,7 @@ using io::save_plan;
 using motion::JointState;
 using pipeline::Plan;
 using pipeline::plan;
+using pipeline::Planner;
 using pipeline::PlanOptions;
 using pipeline::Preset;
 using pipeline::Strategy;

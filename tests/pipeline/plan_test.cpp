@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "small_cell.h"
 #include "tandem/collision/certificate.h"
+#include "tandem/pipeline/planner.h"
 #include "tandem/trajectory/limit_check.h"
 
 namespace tandem::pipeline {
@@ -49,6 +52,38 @@ TEST_F(PlanOnSmallCell, ReturnsAProvenMotionFromStartToGoal) {
     for (const Phase& phase : planned->report.phases) phases.push_back(phase.name);
     EXPECT_EQ(phases, (std::vector<std::string>{"planned", "simplified", "interpolated",
                                                 "shortened", "simplified_again"}));
+  }
+}
+
+TEST_F(PlanOnSmallCell, OnePlannerMakesThePlansOfMany) {
+  const Planner planner(cell_);
+  std::vector<std::jthread> threads;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    threads.emplace_back([&, seed] {
+      const auto alone = plan(cell_, query_, {.seed = seed});
+      const auto shared = planner.plan(query_, {.seed = seed});
+      ASSERT_TRUE(alone && shared);
+      for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_EQ(alone->trajectory.arms()[i].knots(), shared->trajectory.arms()[i].knots());
+        EXPECT_EQ(alone->trajectory.arms()[i].segments(), shared->trajectory.arms()[i].segments());
+      }
+    });
+  }
+}
+
+TEST_F(PlanOnSmallCell, PlannersCompileEveryCellOnce) {
+  const Planner planner(cell_);
+  const auto compiled = planner.compiled();
+  EXPECT_EQ(planner.compiled(cell_), compiled);
+  EXPECT_EQ(compiled->shared_cell(), cell_);
+  const auto all = world::PairScope::all();
+  EXPECT_EQ(compiled->pairs(all), compiled->pairs(all));
+  EXPECT_NE(compiled->pairs(all), compiled->pairs(world::PairScope::several()));
+  // As many cells as there may be: none is forgotten that is still in use.
+  for (int i = 0; i < 100; ++i) {
+    const std::shared_ptr<const world::Workcell> other = test::small_cell();
+    EXPECT_EQ(planner.compiled(other)->shared_cell(), other);
+    EXPECT_EQ(planner.compiled(), compiled);
   }
 }
 

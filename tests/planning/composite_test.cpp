@@ -16,7 +16,7 @@ INSTANTIATE_TEST_SUITE_P(Composite, PathPlannerConformance,
 
 class CompositeOnSmallCell : public testing::Test {
  protected:
-  std::unique_ptr<Validity> by_arm() const { return make_batch_validity_by_arm(batch_); }
+  std::unique_ptr<Validity> by_arm() const { return make_batch_validity_by_arm(compiled_); }
   bool is_proven(const motion::JointPath& path) const {
     const auto scratch = checker_.make_scratch();
     const auto all = cell_->select(world::PairScope::all());
@@ -39,8 +39,8 @@ class CompositeOnSmallCell : public testing::Test {
   }
 
   std::shared_ptr<const world::Workcell> cell_ = test::small_cell();
-  collision::SsvChecker checker_{cell_};
-  collision::BatchChecker batch_{checker_};
+  collision::CompiledCell compiled_{cell_};
+  const collision::SsvChecker& checker_ = compiled_.exact();
 };
 
 TEST_F(CompositeOnSmallCell, PartsOfTheQuestionMakeTheWhole) {

@@ -182,7 +182,8 @@ TEST_F(CaptureTest, TheRealPageMakesPictureAndVideo) {
   ASSERT_TRUE(plan) << plan.error().message;
   const PageData data{.scene = describe_scene(*cell_),
                       .plan = *io::plan_json(*plan, *cell_, "plan.json"),
-                      .clearance = describe_clearance(cell_, plan->trajectory, kClearanceRate)};
+                      .clearance = describe_clearance(collision::CompiledCell(cell_),
+                                                      plan->trajectory, kClearanceRate)};
   const auto take = [&](const CaptureOptions& options) {
     auto bytes = capture(cell_, data, *page, options, StopCondition::after(180));
     EXPECT_TRUE(bytes) << bytes.error().message;

@@ -302,7 +302,7 @@ TEST(Clearance, IsTheCheckersAtEverySampleAndAtTheEnd) {
   const auto ends = pipeline::resolve(cell, cell->query("cross"));
   ASSERT_TRUE(ends);
   const motion::StraightEdge edge(ends->start, ends->goal);  // Takes 1 s.
-  const json samples = json::parse(describe_clearance(cell, edge, 7.5));
+  const json samples = json::parse(describe_clearance(collision::CompiledCell(cell), edge, 7.5));
   ASSERT_EQ(samples.size(), 9U);
   const collision::SsvChecker checker(cell);
   const auto scratch = checker.make_scratch();
@@ -323,7 +323,7 @@ TEST(Clearance, LongMotionsHaveABoundedNumberOfSamples) {
   const Cell cell = test::small_cell();
   const Eigen::VectorXd q = Eigen::VectorXd::Zero(cell->dof());
   const motion::StraightEdge edge(q, q);
-  const json samples = json::parse(describe_clearance(cell, edge, 1e9));
+  const json samples = json::parse(describe_clearance(collision::CompiledCell(cell), edge, 1e9));
   EXPECT_EQ(samples.size(), 2001U);
   EXPECT_EQ(samples.back().at("t"), 1.0);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tandem/core/contract.h"
+#include "tandem/pipeline/planner.h"
 
 namespace tandem::pipeline {
 
@@ -45,10 +46,12 @@ Result<BenchResult> bench(const std::shared_ptr<const world::Workcell>& cell, in
   }
   // Each query starts from the intended goal of the one before, and in the scene intended there, so
   // all ends and scenes are known beforehand.
-  const auto queries =
-      resolve_all(cell, **asked, options.seed,
-                  StopCondition::after(std::numeric_limits<double>::infinity(), options.token));
+  const Planner planner(cell);
+  const auto queries = planner.resolve_all(
+      **asked, options.seed,
+      StopCondition::after(std::numeric_limits<double>::infinity(), options.token));
   if (!queries) return std::unexpected(queries.error());
+  for (const ResolvedQuery& query : *queries) planner.prepare(query.cell, options.preset);
 
   BenchResult result{cell->name(), options, 0, {}, {}, std::string(list)};
   for (const world::Arm& arm : cell->arms()) result.arms.push_back(arm.name);
@@ -61,7 +64,7 @@ Result<BenchResult> bench(const std::shared_ptr<const world::Workcell>& cell, in
       BenchRun run;
       run.query = query.name;
       run.cycle = cycle;
-      const auto planned = plan(cell, query, run_options, &run.report);
+      const auto planned = planner.plan(query, run_options, &run.report);
       if (!planned && planned.error().code == ErrorCode::kCancelled) return result;
       run.success = planned.has_value();
       if (planned) {

@@ -39,7 +39,9 @@ struct BenchResult {
 
 /// Runs all queries of a list `cycles` times; run k uses seed options.seed + k. After a failed
 /// query the next one starts from the intended goal, in the scene intended there; every cycle
-/// starts from the cell's file. Ends early, keeping what it has, when options.token stops.
+/// starts from the cell's file. Cells are
+/// compiled before, outside of all times. Ends early, keeping what it has, when options.token
+/// stops.
 /// @param progress  called after every run with the runs done and the total.
 /// @param list  name of one of the cell's lists; "" for its `queries`.
 Result<BenchResult> bench(const std::shared_ptr<const world::Workcell>& cell, int cycles,

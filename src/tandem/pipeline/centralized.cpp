@@ -28,12 +28,11 @@ motion::CellMotion standing_still(const world::Workcell& cell, const Eigen::Vect
 
 }  // namespace
 
-Result<Plan> plan_centralized(const collision::SsvChecker& checker, const ResolvedQuery& ends,
+Result<Plan> plan_centralized(const collision::CompiledCell& compiled, const ResolvedQuery& ends,
                               const PlanOptions& options, const StopCondition& stop,
                               PlanReport& report) {
-  const world::Workcell& cell = checker.cell();
-  const world::PairSelection selection = cell.select(world::PairScope::all());
-  const Modules modules = make_modules(options.preset, checker, selection, stop);
+  const world::Workcell& cell = compiled.cell();
+  const Modules modules = make_modules(options.preset, compiled, stop);
   const auto finished = [&](motion::CellMotion motion) {
     return Plan{ends.name, options.strategy,  options.preset, options.seed, options.plpp,
                 ends,      std::move(motion), report};
@@ -42,18 +41,18 @@ Result<Plan> plan_centralized(const collision::SsvChecker& checker, const Resolv
     report.arms.resize(cell.arms().size());
     return finished(standing_still(cell, ends.start));
   }
-  auto found = find_path(checker, modules, ends, options, stop, report);
+  auto found = find_path(compiled, modules, ends, options, stop, report);
   if (!found) return std::unexpected(found.error());
   JointPath path = std::move(found->path);
   if (options.plpp) {
-    path = shorten_path({checker, selection, modules, options, stop, report}, ends, path);
+    path = shorten_path({compiled, modules, options, stop, report}, ends, path);
     account(modules, report);
   } else {
     report.arms = arm_lengths(cell, found->planned, path);
   }
 
-  const auto scratch = checker.make_scratch();
-  const CurveContext context{checker, selection, *scratch, *modules.timing, stop, report};
+  const auto scratch = compiled.exact().make_scratch();
+  const CurveContext context{compiled, *scratch, *modules.timing, stop, report};
   auto curve = make_curve(context, path, modules.repair);
   account(modules, report);
   if (!curve) return std::unexpected(curve.error());

@@ -86,7 +86,8 @@ void find_overshoot(const world::Workcell& cell, const PiecewiseCubic& spline, i
 /// Proves every waypoint edge of the curve, or says where it fails.
 Findings inspect(const CurveContext& context, const PiecewiseCubic& spline,
                  const std::vector<double>& waypoint_times) {
-  const world::Workcell& cell = context.checker.cell();
+  const world::Workcell& cell = context.compiled.cell();
+  const world::PairSelection& selection = context.compiled.selection(world::PairScope::all());
   Findings findings;
   const trajectory::Extremes extremes = trajectory::extremes(spline);
   const bool overshoots = (extremes.highest.array() > cell.upper().array()).any() ||
@@ -97,7 +98,7 @@ Findings inspect(const CurveContext& context, const PiecewiseCubic& spline,
     const int edge = static_cast<int>(i);
     if (overshoots) find_overshoot(cell, spline, edge, t0, t1, findings);
     const collision::Certificate certificate =
-        collision::certify_interval(context.checker, spline, t0, t1, context.selection,
+        collision::certify_interval(context.compiled.exact(), spline, t0, t1, selection,
                                     context.scratch, kCurveCertificate, context.stop);
     context.report.counts.certificate_evaluations += certificate.evaluations;
     if (certificate.stopped) {
@@ -153,7 +154,7 @@ TimedSpline time_path(const CurveContext& context, const JointPath& path) {
   ModuleTimer timer(context.report.times.trajectory);
   ++context.report.counts.timings;
   const trajectory::Timing timing =
-      context.timing.optimize(path, context.checker.cell().limits(), {}, context.stop);
+      context.timing.optimize(path, context.compiled.cell().limits(), {}, context.stop);
   TimedSpline timed{trajectory::fit_spline(path, timing.durations), {}};
   const int count = static_cast<int>(path.size());
   for (int i = 0; i < count; ++i) {
@@ -177,7 +178,7 @@ TimedSpline time_rest_to_rest(const CurveContext& context, const JointPath& path
 /// The exact limit check, then the curve by arms.
 Result<motion::CellMotion> finished(const CurveContext& context, const PiecewiseCubic& spline,
                                     double least_clearance) {
-  const world::Workcell& cell = context.checker.cell();
+  const world::Workcell& cell = context.compiled.cell();
   const auto violations = trajectory::check_limits(spline, cell.limits());
   if (!violations.empty()) {
     return fail(ErrorCode::kLimits,

@@ -7,9 +7,8 @@
 namespace tandem::pipeline {
 
 struct CurveContext {
-  const collision::SsvChecker& checker;
-  const world::PairSelection& selection;
-  collision::CollisionChecker::Scratch& scratch;
+  const collision::CompiledCell& compiled;
+  collision::CollisionChecker::Scratch& scratch;  ///< Of its exact checker.
   const trajectory::TimeOptimizer& timing;
   StopCondition stop;
   PlanReport& report;

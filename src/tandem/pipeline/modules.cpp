@@ -22,15 +22,14 @@ double paper_resolution(const world::Workcell& cell) {
 
 }  // namespace
 
-Modules make_modules(Preset preset, const collision::SsvChecker& checker,
-                     const world::PairSelection& selection, const StopCondition& stop) {
+Modules make_modules(Preset preset, const collision::CompiledCell& compiled,
+                     const StopCondition& stop) {
   Modules modules;
   switch (preset) {
     case Preset::kDefault:
       modules.planner = planning::make_composite_planner();
       modules.simplifier = planning::make_simplifier();
-      modules.batch = std::make_unique<collision::BatchChecker>(checker);
-      modules.validity = planning::make_batch_validity_by_arm(*modules.batch, stop);
+      modules.validity = planning::make_batch_validity_by_arm(compiled, stop);
       modules.shortener = shortening::make_structured_shortener();
       modules.timing = trajectory::make_barrier_optimizer();
       modules.repair = true;
@@ -38,8 +37,9 @@ Modules make_modules(Preset preset, const collision::SsvChecker& checker,
     case Preset::kPaper:
       modules.planner = planning::make_ompl_rrt_connect();
       modules.simplifier = planning::make_ompl_simplifier();
-      modules.validity =
-          planning::make_sampled_validity(checker, selection, paper_resolution(checker.cell()));
+      modules.validity = planning::make_sampled_validity(
+          compiled.exact(), compiled.selection(world::PairScope::all()),
+          paper_resolution(compiled.cell()));
       modules.shortener = shortening::make_slsqp_shortener();
       modules.shortening.weights.joints = 0;
       modules.shortening.joint_limits = false;

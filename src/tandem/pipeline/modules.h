@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "tandem/collision/batch_checker.h"
+#include "tandem/collision/compiled_cell.h"
 #include "tandem/core/stop.h"
 #include "tandem/pipeline/plan.h"
 #include "tandem/planning/planner.h"
@@ -16,16 +16,15 @@ struct Modules {
   std::unique_ptr<planning::PathPlanner> planner;
   std::unique_ptr<planning::PathSimplifier> simplifier;
   std::unique_ptr<trajectory::TimeOptimizer> timing;
-  std::unique_ptr<collision::BatchChecker> batch;  ///< If `validity` asks one.
   std::unique_ptr<planning::Validity> validity;
   std::unique_ptr<shortening::Shortener> shortener;
   shortening::ShorteningOptions shortening;
   bool repair = true;  ///< Whether a curve that touches something is repaired or an error.
 };
 
-/// @param checker  must outlive the modules.   @param stop  ends a long proof of an edge, too.
-Modules make_modules(Preset preset, const collision::SsvChecker& checker,
-                     const world::PairSelection& selection, const StopCondition& stop);
+/// @param compiled  must outlive the modules.   @param stop  ends a long proof of an edge, too.
+Modules make_modules(Preset preset, const collision::CompiledCell& compiled,
+                     const StopCondition& stop);
 
 /// Adds the wall time of its scope to a report's entry.
 class ModuleTimer {

@@ -26,11 +26,6 @@ std::string refusal(const world::Workcell& cell, const collision::Certificate& c
   return "edge " + std::to_string(edge) + " of " + std::to_string(edges) + ": " + pair + text;
 }
 
-void expect_query(const world::Workcell& cell, const ResolvedQuery& query) {
-  expects(query.start.size() == cell.dof() && query.goal.size() == cell.dof(),
-          "start and goal must have the cell's number of joints");
-}
-
 }  // namespace
 
 void account(const Modules& modules, PlanReport& report) {
@@ -40,10 +35,10 @@ void account(const Modules& modules, PlanReport& report) {
   report.times.distance = stats.seconds + report.times.certificate;
 }
 
-Result<PathPlan> find_path(const collision::SsvChecker& checker, const Modules& modules,
+Result<PathPlan> find_path(const collision::CompiledCell& compiled, const Modules& modules,
                            const ResolvedQuery& ends, const PlanOptions& options,
                            const StopCondition& stop, PlanReport& report) {
-  const world::Workcell& cell = checker.cell();
+  const world::Workcell& cell = compiled.cell();
   const planning::PathProblem problem{ends.start, ends.goal, cell.lower(), cell.upper()};
   const auto keep = [&](const char* name, const JointPath& path) {
     if (options.keep_phases) report.phases.push_back({name, path});
@@ -67,29 +62,29 @@ Result<PathPlan> find_path(const collision::SsvChecker& checker, const Modules& 
   return found;
 }
 
-Result<PathPlan> find_path(const collision::SsvChecker& checker, const ResolvedQuery& ends,
+Result<PathPlan> find_path(const collision::CompiledCell& compiled, const ResolvedQuery& ends,
                            const PlanOptions& options, PlanReport& report) {
   report = {};
-  const world::PairSelection selection = checker.cell().select(world::PairScope::all());
   const StopCondition stop = StopCondition::after(options.deadline, options.token);
-  const Modules modules = make_modules(options.preset, checker, selection, stop);
+  const Modules modules = make_modules(options.preset, compiled, stop);
   auto found = [&] {
     ModuleTimer timer(report.times.total);
-    return find_path(checker, modules, ends, options, stop, report);
+    return find_path(compiled, modules, ends, options, stop, report);
   }();
   if (!found && found.error().code == ErrorCode::kInfeasible) {
     // The planner says that an end is not valid, this says why.
-    if (auto feasible = check_ends(checker, ends); !feasible) {
+    if (auto feasible = check_ends(compiled, ends); !feasible) {
       return std::unexpected(feasible.error());
     }
   }
   return found;
 }
 
-Result<double> certify_path(const collision::SsvChecker& checker, const JointPath& path,
+Result<double> certify_path(const collision::CompiledCell& compiled, const JointPath& path,
                             const StopCondition& stop) {
   expects(path.size() >= 2, "a path has at least two waypoints");
-  const world::PairSelection selection = checker.cell().select(world::PairScope::all());
+  const collision::SsvChecker& checker = compiled.exact();
+  const world::PairSelection& selection = compiled.selection(world::PairScope::all());
   const auto scratch = checker.make_scratch();
   // Planners prove edges down to a few micrometres of clearance; no less is asked here.
   constexpr collision::CertificateOptions kFinest{.smallest_deviation = 1e-7, .clearance_ratio = 0};
@@ -104,26 +99,6 @@ Result<double> certify_path(const collision::SsvChecker& checker, const JointPat
     least = std::min(least, certificate.least_clearance);
   }
   return least;
-}
-
-Result<PathPlan> plan_path(const std::shared_ptr<const world::Workcell>& cell,
-                           const ResolvedQuery& query, const PlanOptions& options,
-                           PlanReport* report) {
-  expects(cell != nullptr, "plan_path needs a workcell");
-  expect_query(*cell, query);
-  expects(options.deadline > 0, "the deadline must be positive");
-  PlanReport own;
-  PlanOptions path_options = options;
-  path_options.keep_phases = false;
-  const collision::SsvChecker checker(query.cell ? query.cell : cell);
-  return find_path(checker, query, path_options, report ? *report : own);
-}
-
-Result<double> certify_path(const std::shared_ptr<const world::Workcell>& cell,
-                            const JointPath& path, const std::stop_token& token) {
-  expects(cell != nullptr, "certify_path needs a workcell");
-  constexpr double kForever = std::numeric_limits<double>::infinity();
-  return certify_path(collision::SsvChecker(cell), path, StopCondition::after(kForever, token));
 }
 
 }  // namespace tandem::pipeline

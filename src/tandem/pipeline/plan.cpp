@@ -1,10 +1,7 @@
 #include "tandem/pipeline/plan.h"
 
-#include "tandem/collision/ssv_checker.h"
-#include "tandem/core/contract.h"
-#include "tandem/pipeline/centralized.h"
-#include "tandem/pipeline/modules.h"
 #include "tandem/pipeline/path.h"
+#include "tandem/pipeline/planner.h"
 
 namespace tandem::pipeline {
 
@@ -29,69 +26,67 @@ const char* to_string(Preset preset) {
 namespace {
 
 /// One end of a query at which the cell can stand.
-Result<void> check_end(const collision::SsvChecker& checker, const Eigen::VectorXd& q,
-                       const std::string& what) {
-  const world::Workcell& cell = checker.cell();
+Result<void> check_end(const collision::CompiledCell& compiled, const Eigen::VectorXd& q,
+                       collision::CollisionChecker::Scratch& scratch, const std::string& what) {
+  const world::Workcell& cell = compiled.cell();
   if (auto inside = cell.check_position_limits(q); !inside) {
     return fail(inside.error().code, what + ": " + inside.error().message);
   }
-  const auto scratch = checker.make_scratch();
-  const collision::PairClearance nearest =
-      checker.least_clearance(q, cell.select(world::PairScope::all()), *scratch);
-  if (nearest.pair >= 0 && nearest.distance <= 0) {
-    return fail(ErrorCode::kInfeasible,
-                what + " is in collision: " + collision::describe(cell, nearest) +
-                    "; move it away, or allow the pair in the workcell");
-  }
-  return {};
+  const world::PairSelection& selection = compiled.selection(world::PairScope::all());
+  if (compiled.exact().is_free(q, selection, scratch)) return {};
+  return fail(
+      ErrorCode::kInfeasible,
+      what + " is in collision: " +
+          collision::describe(cell, compiled.exact().least_clearance(q, selection, scratch)) +
+          "; move it away, or allow the pair in the workcell");
 }
 
 }  // namespace
 
-Result<void> check_ends(const collision::SsvChecker& checker, const ResolvedQuery& query) {
-  auto start = check_end(checker, query.start, "start of query '" + query.name + "'");
+Result<void> check_ends(const collision::CompiledCell& compiled, const ResolvedQuery& query) {
+  const auto scratch = compiled.exact().make_scratch();
+  auto start = check_end(compiled, query.start, *scratch, "start of query '" + query.name + "'");
   if (!start) return start;
-  return check_end(checker, query.goal, "goal of query '" + query.name + "'");
+  return check_end(compiled, query.goal, *scratch, "goal of query '" + query.name + "'");
 }
 
 Result<void> check_ends(const world::Workcell& cell, const ResolvedQuery& query) {
-  // The checker shares the cell only for the length of this call.
+  // Shared only for the length of this call.
   const std::shared_ptr<const world::Workcell> borrowed(std::shared_ptr<void>(), &cell);
-  return check_ends(collision::SsvChecker(query.cell ? query.cell : borrowed), query);
+  return Planner(borrowed).check_ends(query);
 }
 
-Result<Plan> plan(const std::shared_ptr<const world::Workcell>& given, const ResolvedQuery& ends,
-                  const PlanOptions& options, PlanReport* report) {
-  ResolvedQuery query = ends;
-  if (!query.cell) query.cell = given;
-  const std::shared_ptr<const world::Workcell>& cell = query.cell;
-  expects(cell != nullptr, "plan needs a workcell");
-  expects(query.start.size() == cell->dof() && query.goal.size() == cell->dof(),
-          "start and goal must have the cell's number of joints");
-  expects(options.deadline > 0, "the deadline must be positive");
-  PlanReport own;
-  PlanReport& filled = report ? *report : own;
-  filled = {};
-  const StopCondition stop = StopCondition::after(options.deadline, options.token);
+Result<ResolvedQuery> resolve(const std::shared_ptr<const world::Workcell>& cell,
+                              const world::Query& query, std::uint64_t seed,
+                              const StopCondition& stop) {
+  return Planner(cell).resolve(query, seed, stop);
+}
 
-  auto planned = [&]() -> Result<Plan> {
-    ModuleTimer timer(filled.times.total);
-    const collision::SsvChecker checker(cell);
-    if (auto feasible = check_ends(checker, query); !feasible) {
-      return std::unexpected(feasible.error());
-    }
-    return plan_centralized(checker, query, options, stop, filled);
-  }();
-  if (planned) planned->report = filled;
-  return planned;
+Result<std::vector<ResolvedQuery>> resolve_all(const std::shared_ptr<const world::Workcell>& cell,
+                                               const std::vector<world::Query>& queries,
+                                               std::uint64_t seed, const StopCondition& stop) {
+  return Planner(cell).resolve_all(queries, seed, stop);
+}
+
+Result<Plan> plan(const std::shared_ptr<const world::Workcell>& cell, const ResolvedQuery& ends,
+                  const PlanOptions& options, PlanReport* report) {
+  return Planner(cell).plan(ends, options, report);
 }
 
 Result<Plan> plan(const std::shared_ptr<const world::Workcell>& cell, const world::Query& query,
                   const PlanOptions& options, PlanReport* report) {
-  auto resolved =
-      resolve(cell, query, options.seed, StopCondition::after(options.deadline, options.token));
-  if (!resolved) return std::unexpected(resolved.error());
-  return plan(cell, *resolved, options, report);
+  return Planner(cell).plan(query, options, report);
+}
+
+Result<PathPlan> plan_path(const std::shared_ptr<const world::Workcell>& cell,
+                           const ResolvedQuery& query, const PlanOptions& options,
+                           PlanReport* report) {
+  return Planner(cell).plan_path(query, options, report);
+}
+
+Result<double> certify_path(const std::shared_ptr<const world::Workcell>& cell,
+                            const motion::JointPath& path, const std::stop_token& token) {
+  return Planner(cell).certify_path(path, token);
 }
 
 }  // namespace tandem::pipeline

@@ -83,8 +83,9 @@ Result<std::vector<ResolvedQuery>> resolve_all(const std::shared_ptr<const world
 /// @param cell  for a query without a cell of its own, here and below.
 Result<void> check_ends(const world::Workcell& cell, const ResolvedQuery& query);
 
-/// Plans one query. What is returned passed the continuous-time certificate and the exact limit
-/// check; with Preset::kPaper it passed them without repair, or it is an error.
+/// Plans one query; for many of one cell a Planner compiles it once. What is returned passed the
+/// continuous-time certificate and the exact limit check; with Preset::kPaper it passed them
+/// without repair, or it is an error.
 /// @param report  if given, filled with times and counts even when planning fails.
 /// @return kInfeasible, kNoPath, kCollision (pair, time, depth), kLimits, kTimeout, kCancelled.
 /// Thread-safe. Equal seeds give equal plans.

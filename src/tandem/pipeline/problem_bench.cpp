@@ -24,7 +24,7 @@ std::vector<int> count_sets(const std::vector<BenchProblem>& problems,
 }
 
 /// @return whether the run counts: not if it was stopped.
-bool run_once(const collision::SsvChecker& checker, const ResolvedQuery& ends,
+bool run_once(const collision::CompiledCell& compiled, const ResolvedQuery& ends,
               const PlanOptions& options, ProblemRun& run) {
   PlanReport report;
   const auto failed = [&run](const Error& error) {
@@ -32,7 +32,7 @@ bool run_once(const collision::SsvChecker& checker, const ResolvedQuery& ends,
     run.message = error.message;
     return error.code != ErrorCode::kCancelled;
   };
-  const auto found = find_path(checker, ends, options, report);
+  const auto found = find_path(compiled, ends, options, report);
   run.planning = report.times.path_planning;
   run.simplification = report.times.simplification;
   if (!found) return failed(found.error());
@@ -41,7 +41,7 @@ bool run_once(const collision::SsvChecker& checker, const ResolvedQuery& ends,
   run.length_after = motion::joint_length(found->path);
   constexpr double kForever = std::numeric_limits<double>::infinity();
   const auto clearance =
-      certify_path(checker, found->path, StopCondition::after(kForever, options.token));
+      certify_path(compiled, found->path, StopCondition::after(kForever, options.token));
   if (!clearance) return failed(clearance.error());
   run.certified = true;
   return true;
@@ -70,11 +70,11 @@ Result<ProblemBenchResult> bench_problems(
       return fail(cell.error().code, "problem '" + problem.ends.name + "' of set '" + problem.set +
                                          "': " + cell.error().message);
     }
-    const collision::SsvChecker checker(*cell);
+    const collision::CompiledCell compiled(*cell);
     for (int cycle = 0; cycle < cycles; ++cycle) {
       run_options.seed = options.seed + static_cast<std::uint64_t>(cycle);
       ProblemRun run{.set = set_of[i], .problem = problem.ends.name, .cycle = cycle, .message = {}};
-      if (!run_once(checker, problem.ends, run_options, run)) return result;
+      if (!run_once(compiled, problem.ends, run_options, run)) return result;
       result.runs.push_back(std::move(run));
       if (progress) progress(result.runs.back(), result.runs.size(), result.planned_runs);
     }

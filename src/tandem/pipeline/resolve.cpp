@@ -1,10 +1,10 @@
+#include "tandem/pipeline/resolve.h"
+
 #include <algorithm>
 #include <functional>
 #include <span>
 
-#include "tandem/collision/ssv_checker.h"
 #include "tandem/core/contract.h"
-#include "tandem/pipeline/plan.h"
 #include "tandem/robot/inverse_kinematics.h"
 
 namespace tandem::pipeline {
@@ -28,13 +28,16 @@ struct Search {
 world::ArmMask bit(int arm) { return world::ArmMask{1} << arm; }
 
 /// Solves a pose for one arm, free of collisions with the world, itself and the arms placed so far.
-Result<Eigen::VectorXd> solve_pose(const std::shared_ptr<const Workcell>& cell, int arm,
+Result<Eigen::VectorXd> solve_pose(const Planner& planner,
+                                   const std::shared_ptr<const Workcell>& cell, int arm,
                                    const Eigen::Isometry3d& X_WE, const Placement& so_far,
                                    const Search& search) {
   const world::Arm& a = cell->arms()[static_cast<std::size_t>(arm)];
-  const collision::SsvChecker checker(cell);
+  const auto compiled = planner.compiled(cell);
+  const collision::SsvChecker& checker = compiled->exact();
   const auto scratch = checker.make_scratch();
-  const world::PairSelection selection = cell->select(world::PairScope::arm(arm, so_far.placed));
+  const world::PairSelection& selection =
+      compiled->selection(world::PairScope::arm(arm, so_far.placed));
   Eigen::VectorXd q = so_far.q;
 
   robot::IkProblem problem;
@@ -64,7 +67,7 @@ Result<Eigen::VectorXd> solve_pose(const std::shared_ptr<const Workcell>& cell, 
 }
 
 /// Places every arm that has a goal: joint values and named states first, then poses in arm order.
-Result<void> place(const std::shared_ptr<const Workcell>& cell,
+Result<void> place(const Planner& planner, const std::shared_ptr<const Workcell>& cell,
                    const std::vector<std::optional<world::ArmGoal>>& goals, const std::string& what,
                    const Search& search, Placement& placement) {
   const auto set = [&](int arm, const Eigen::VectorXd& values) {
@@ -90,7 +93,7 @@ Result<void> place(const std::shared_ptr<const Workcell>& cell,
     const auto& goal = goals[static_cast<std::size_t>(i)];
     if (!goal) continue;
     if (const auto* pose = std::get_if<world::PoseGoal>(&*goal)) {
-      auto values = solve_pose(cell, i, pose->X_WE, placement, search);
+      auto values = solve_pose(planner, cell, i, pose->X_WE, placement, search);
       if (!values) return fail(values.error().code, name(i) + ": " + values.error().message);
       set(i, *values);
     }
@@ -115,18 +118,18 @@ struct Standing {
 };
 
 /// The query, from how the one before left things.
-Result<ResolvedQuery> follow(const Standing& before, const world::Query& query,
-                             const Search& search) {
+Result<ResolvedQuery> follow(const Planner& planner, const Standing& before,
+                             const world::Query& query, const Search& search) {
   const auto what = [&](const char* end) { return end + (" of query '" + query.name + "'"); };
   Placement start = standing(*before.cell, before.q, query.start);
-  auto placed = place(before.cell, query.start, what("start"), search, start);
+  auto placed = place(planner, before.cell, query.start, what("start"), search, start);
   if (!placed) return std::unexpected(placed.error());
   auto cell = world::after_changes(before.cell, query.changes, start.q);
   if (!cell) {
     return fail(cell.error().code, "query '" + query.name + "': " + cell.error().message);
   }
   Placement goal = standing(**cell, start.q, query.goal);
-  placed = place(*cell, query.goal, what("goal"), search, goal);
+  placed = place(planner, *cell, query.goal, what("goal"), search, goal);
   if (!placed) return std::unexpected(placed.error());
   return ResolvedQuery{query.name, start.q, goal.q, std::move(*cell)};
 }
@@ -148,7 +151,8 @@ Result<void> check_first(const Workcell& cell, const world::Query& query) {
 
 using Queries = std::span<const world::Query>;
 
-Result<ResolvedQuery> follow_all(const std::shared_ptr<const Workcell>& cell, Queries queries,
+Result<ResolvedQuery> follow_all(const Planner& planner,
+                                 const std::shared_ptr<const Workcell>& cell, Queries queries,
                                  const Search& search,
                                  const std::function<void(const ResolvedQuery&)>& visit = {}) {
   if (auto first = check_first(*cell, queries.front()); !first) {
@@ -157,7 +161,7 @@ Result<ResolvedQuery> follow_all(const std::shared_ptr<const Workcell>& cell, Qu
   Standing at{cell, Eigen::VectorXd::Zero(cell->dof())};
   Result<ResolvedQuery> resolved;
   for (const world::Query& query : queries) {
-    resolved = follow(at, query, search);
+    resolved = follow(planner, at, query, search);
     if (!resolved) return resolved;
     if (visit) visit(*resolved);
     at = {resolved->cell, resolved->goal};
@@ -173,14 +177,13 @@ Result<std::shared_ptr<const Workcell>> at_first(const std::shared_ptr<const Wor
 
 }  // namespace
 
-Result<ResolvedQuery> resolve(const std::shared_ptr<const Workcell>& cell,
-                              const world::Query& query, std::uint64_t seed,
-                              const StopCondition& stop) {
-  expects(cell != nullptr, "resolve needs a workcell");
+Result<ResolvedQuery> resolve_query(const Planner& planner, const world::Query& query,
+                                    std::uint64_t seed, const StopCondition& stop) {
+  const std::shared_ptr<const Workcell>& cell = planner.cell();
   expects(query.start.size() == cell->arms().size() && query.goal.size() == cell->arms().size(),
           "a query has one start and one goal entry per arm");
   const std::vector<world::Query>* list = cell->list_of(query.name);
-  if (list == nullptr) return follow_all(cell, {&query, 1}, {seed, stop});
+  if (list == nullptr) return follow_all(planner, cell, {&query, 1}, {seed, stop});
   const auto own = std::ranges::find(*list, query.name, &world::Query::name);
   // From the last query that says where every arm is, unless one before it changed the scene.
   auto first = own;
@@ -190,20 +193,19 @@ Result<ResolvedQuery> resolve(const std::shared_ptr<const Workcell>& cell,
   if (changing != first) first = list->begin();
   std::vector<world::Query> chain(first, own);
   chain.push_back(query);
-  const auto base = at_first(cell);
+  const auto base = at_first(planner.cell());
   if (!base) return std::unexpected(base.error());
-  return follow_all(*base, chain, {seed, stop});
+  return follow_all(planner, *base, chain, {seed, stop});
 }
 
-Result<std::vector<ResolvedQuery>> resolve_all(const std::shared_ptr<const Workcell>& cell,
-                                               const std::vector<world::Query>& queries,
-                                               std::uint64_t seed, const StopCondition& stop) {
-  expects(cell != nullptr, "resolve needs a workcell");
+Result<std::vector<ResolvedQuery>> resolve_queries(const Planner& planner,
+                                                   const std::vector<world::Query>& queries,
+                                                   std::uint64_t seed, const StopCondition& stop) {
   std::vector<ResolvedQuery> resolved;
   if (queries.empty()) return resolved;
-  const auto base = at_first(cell);
+  const auto base = at_first(planner.cell());
   if (!base) return std::unexpected(base.error());
-  const auto last = follow_all(*base, queries, {seed, stop},
+  const auto last = follow_all(planner, *base, queries, {seed, stop},
                                [&](const ResolvedQuery& one) { resolved.push_back(one); });
   if (!last) return std::unexpected(last.error());
   return resolved;

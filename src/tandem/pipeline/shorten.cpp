@@ -138,13 +138,15 @@ class Thinning {
 /// The shortened path with accepted edges, or what of it can be had.
 JointPath proven_short(const ShortenContext& context, const JointPath& path) {
   planning::Validity& validity = *context.modules.validity;
-  const auto scratch = context.checker.make_scratch();
+  const collision::SsvChecker& checker = context.compiled.exact();
+  const world::PairSelection& selection = context.compiled.selection(world::PairScope::all());
+  const auto scratch = checker.make_scratch();
   shortening::ShorteningOptions options = context.modules.shortening;
   options.points_per_edge.assign(path.size() - 1, 1);
   const auto shorten = [&](const JointPath* start) {
     ++context.report.counts.shortenings;
-    return context.modules.shortener->shorten(context.checker, context.selection, path, options,
-                                              *scratch, context.stop, start);
+    return context.modules.shortener->shorten(checker, selection, path, options, *scratch,
+                                              context.stop, start);
   };
   shortening::Shortening result = shorten(nullptr);
   for (int k = 0; k < kRepairs && !context.stop(); ++k) {
@@ -178,7 +180,7 @@ std::vector<ArmLengths> arm_lengths(const world::Workcell& cell, const JointPath
 
 JointPath shorten_path(const ShortenContext& context, const ResolvedQuery& ends,
                        const JointPath& path) {
-  const world::Workcell& cell = context.checker.cell();
+  const world::Workcell& cell = context.compiled.cell();
   PlanReport& report = context.report;
   const auto keep = [&](const char* name, const JointPath& waypoints) {
     if (context.options.keep_phases) report.phases.push_back({name, waypoints});
@@ -189,10 +191,11 @@ JointPath shorten_path(const ShortenContext& context, const ResolvedQuery& ends,
   {
     ModuleTimer timer(report.times.plpp);
     if (context.options.preset == Preset::kPaper) {
-      const auto scratch = context.checker.make_scratch();
+      const collision::SsvChecker& checker = context.compiled.exact();
+      const auto scratch = checker.make_scratch();
       ++report.counts.shortenings;
       shortened = context.modules.shortener
-                      ->shorten(context.checker, context.selection, dense,
+                      ->shorten(checker, context.compiled.selection(world::PairScope::all()), dense,
                                 context.modules.shortening, *scratch, context.stop)
                       .path;
     } else {

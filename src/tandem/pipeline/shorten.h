@@ -6,8 +6,7 @@
 namespace tandem::pipeline {
 
 struct ShortenContext {
-  const collision::SsvChecker& checker;
-  const world::PairSelection& selection;
+  const collision::CompiledCell& compiled;
   const Modules& modules;
   const PlanOptions& options;
   StopCondition stop;

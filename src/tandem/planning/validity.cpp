@@ -108,10 +108,10 @@ class CertifiedValidity final : public CheckerValidity {
 class BatchValidity final : public Validity {
  public:
   /// @param stats  shared by the parts of one question.
-  BatchValidity(const collision::BatchChecker& checker, const world::PairSelection& selection,
+  BatchValidity(const collision::BatchChecker& checker, collision::BatchChecker::Pairs pairs,
                 StopCondition stop, std::shared_ptr<ValidityStats> stats)
       : checker_(checker),
-        pairs_(checker.compile(selection)),
+        pairs_(std::move(pairs)),
         scratch_(checker.make_scratch()),
         stop_(std::move(stop)),
         stats_(std::move(stats)) {}
@@ -129,11 +129,12 @@ class BatchValidity final : public Validity {
   const ValidityStats& stats() const override { return *stats_; }
   /// Made when first asked for: most queries are answered without.
   ArmQuestions* by_arm() override {
-    if (!splits_) return nullptr;
+    if (!compiled_) return nullptr;
     if (!by_arm_) split();
     return &*by_arm_;
   }
-  void allow_split() { splits_ = true; }
+  /// @param compiled  knows the pairs of the parts.
+  void allow_split(const collision::CompiledCell& compiled) { compiled_ = &compiled; }
 
  private:
   void split();
@@ -143,24 +144,22 @@ class BatchValidity final : public Validity {
   const collision::BatchChecker::ScratchPtr scratch_;
   StopCondition stop_;
   std::shared_ptr<ValidityStats> stats_;
-  bool splits_ = false;
+  const collision::CompiledCell* compiled_ = nullptr;
   std::optional<ArmQuestions> by_arm_;
 };
 
 /// Makes the questions by arm.
 void BatchValidity::split() {
   const world::Workcell& cell = checker_.cell();
-  const auto part = [&](const world::PairSelection& selection) {
-    return std::make_unique<BatchValidity>(checker_, selection, stop_, stats_);
+  const auto part = [&](const world::PairScope& scope) {
+    return std::make_unique<BatchValidity>(checker_, compiled_->pairs(scope), stop_, stats_);
   };
   by_arm_.emplace();
-  world::PairSelection rest = cell.select(world::PairScope::all());
   for (std::size_t i = 0; i < cell.arms().size(); ++i) {
-    const world::PairSelection own = cell.select(world::PairScope::arm(static_cast<int>(i)));
-    by_arm_->arms.push_back({cell.arms()[i].offset, cell.arms()[i].dof(), part(own)});
-    std::erase_if(rest, [&](int pair) { return std::ranges::find(own, pair) != own.end(); });
+    by_arm_->arms.push_back({cell.arms()[i].offset, cell.arms()[i].dof(),
+                             part(world::PairScope::arm(static_cast<int>(i)))});
   }
-  by_arm_->between = part(rest);
+  by_arm_->between = part(world::PairScope::several());
 }
 
 }  // namespace
@@ -181,16 +180,15 @@ std::unique_ptr<Validity> make_certified_validity(const collision::SsvChecker& c
 std::unique_ptr<Validity> make_batch_validity(const collision::BatchChecker& checker,
                                               const world::PairSelection& selection,
                                               const StopCondition& stop) {
-  return std::make_unique<BatchValidity>(checker, selection, stop,
+  return std::make_unique<BatchValidity>(checker, checker.compile(selection), stop,
                                          std::make_shared<ValidityStats>());
 }
 
-std::unique_ptr<Validity> make_batch_validity_by_arm(const collision::BatchChecker& checker,
+std::unique_ptr<Validity> make_batch_validity_by_arm(const collision::CompiledCell& cell,
                                                      const StopCondition& stop) {
-  auto validity =
-      std::make_unique<BatchValidity>(checker, checker.cell().select(world::PairScope::all()), stop,
-                                      std::make_shared<ValidityStats>());
-  validity->allow_split();
+  auto validity = std::make_unique<BatchValidity>(cell.batch(), cell.pairs(world::PairScope::all()),
+                                                  stop, std::make_shared<ValidityStats>());
+  validity->allow_split(cell);
   return validity;
 }
 

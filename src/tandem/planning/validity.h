@@ -4,9 +4,8 @@
 #include <functional>
 #include <memory>
 
-#include "tandem/collision/batch_checker.h"
 #include "tandem/collision/certificate.h"
-#include "tandem/collision/checker.h"
+#include "tandem/collision/compiled_cell.h"
 
 namespace tandem::planning {
 
@@ -59,8 +58,8 @@ std::unique_ptr<Validity> make_batch_validity(const collision::BatchChecker& che
                                               const world::PairSelection& selection,
                                               const StopCondition& stop = {});
 
-/// The same for all pairs of the cell, with questions by arm.
-std::unique_ptr<Validity> make_batch_validity_by_arm(const collision::BatchChecker& checker,
+/// The same for all pairs of the cell, with questions by arm. The cell must outlive it.
+std::unique_ptr<Validity> make_batch_validity_by_arm(const collision::CompiledCell& cell,
                                                      const StopCondition& stop = {});
 
 /// The paper's extent of a planning space: the sum of joint ranges, a joint without limits counted

@@ -21,8 +21,9 @@ Answer failure(const Error& error, const Json& touching = Json::array()) {
 }
 
 /// The pairs that touch at q.
-Json touching_json(const collision::SsvChecker& checker, const world::PairSelection& pairs,
-                   const Eigen::VectorXd& q) {
+Json touching_json(const collision::CompiledCell& compiled, const Eigen::VectorXd& q) {
+  const collision::SsvChecker& checker = compiled.exact();
+  const world::PairSelection& pairs = compiled.selection(world::PairScope::all());
   const auto scratch = checker.make_scratch();
   std::vector<collision::PairClearance> touching;
   checker.clearances(q, pairs, std::numeric_limits<double>::min(), *scratch, touching);
@@ -34,11 +35,10 @@ Json touching_json(const collision::SsvChecker& checker, const world::PairSelect
 }
 
 /// The pairs that touch at the start and at the goal, each with the end that it is about.
-Json touching_ends(const collision::SsvChecker& checker, const world::PairSelection& pairs,
-                   const pipeline::ResolvedQuery& ends) {
+Json touching_ends(const collision::CompiledCell& compiled, const pipeline::ResolvedQuery& ends) {
   Json list = Json::array();
   for (const auto& [end, q] : {std::pair{"start", &ends.start}, std::pair{"goal", &ends.goal}}) {
-    for (Json& pair : touching_json(checker, pairs, *q)) {
+    for (Json& pair : touching_json(compiled, *q)) {
       pair["end"] = end;
       list.push_back(std::move(pair));
     }
@@ -53,10 +53,7 @@ Answer refusal(int status, const std::string& code, const std::string& message) 
 }
 
 Answers::Answers(std::shared_ptr<const world::Workcell> cell, PlanWriter plan_json)
-    : cell_(std::move(cell)),
-      checker_(cell_),
-      all_pairs_(cell_->select(world::PairScope::all())),
-      plan_json_(std::move(plan_json)) {}
+    : cell_(std::move(cell)), planner_(cell_), plan_json_(std::move(plan_json)) {}
 
 Answer Answers::query(const std::string& name) {
   const auto query = cell_->find_query(name);
@@ -64,7 +61,7 @@ Answer Answers::query(const std::string& name) {
   const std::lock_guard lock(resolving_);
   auto known = resolved_.find(name);
   if (known == resolved_.end()) {
-    known = resolved_.emplace(name, pipeline::resolve(cell_, **query)).first;
+    known = resolved_.emplace(name, planner_.resolve(**query)).first;
   }
   const Result<pipeline::ResolvedQuery>& ends = known->second;
   if (!ends) return failure(ends.error());
@@ -94,19 +91,17 @@ Answer Answers::plan(const std::string& body, std::stop_token token) {
   pipeline::PlanOptions options = request->options;
   options.token = std::move(token);
   const auto stop = StopCondition::after(options.deadline, options.token);
-  const auto ends = query ? pipeline::resolve(cell_, *query, options.seed, stop) : *request->ends;
+  const auto ends = query ? planner_.resolve(*query, options.seed, stop) : *request->ends;
   if (!ends) return failure(ends.error());
-  const auto plan = pipeline::plan(cell_, *ends, options);
+  const auto plan = planner_.plan(*ends, options);
   if (!plan) {
-    // In the query's own cell.
-    const collision::SsvChecker checker(ends->cell ? ends->cell : cell_);
-    return failure(plan.error(),
-                   touching_ends(checker, checker.cell().select(world::PairScope::all()), *ends));
+    return failure(plan.error(), touching_ends(*planner_.compiled(ends->cell), *ends));
   }
   const auto text = plan_json_(*plan);
   if (!text) return failure(text.error());
   return {200, "{\"plan\":" + *text + ",\"clearance\":" +
-                   describe_clearance(plan->ends.cell, plan->trajectory, kClearanceRate) +
+                   describe_clearance(*planner_.compiled(plan->ends.cell), plan->trajectory,
+                                      kClearanceRate) +
                    ",\"objects\":" + describe_moved(*cell_, *plan->ends.cell) + "}"};
 }
 
@@ -138,7 +133,7 @@ Answer Answers::ik(const std::string& body, std::stop_token token) const {
     q[arm.offset + j] = (*positions)[arm.columns[static_cast<std::size_t>(j)]];
   }
   return {200,
-          text_of({{"q", values_json(q)}, {"touching", touching_json(checker_, all_pairs_, q)}})};
+          text_of({{"q", values_json(q)}, {"touching", touching_json(*planner_.compiled(), q)}})};
 }
 
 }  // namespace tandem::server

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <stop_token>
 
-#include "tandem/collision/ssv_checker.h"
+#include "tandem/pipeline/planner.h"
 #include "tandem/server/server.h"
 
 namespace tandem::server {
@@ -33,8 +33,7 @@ class Answers {
 
  private:
   std::shared_ptr<const world::Workcell> cell_;
-  collision::SsvChecker checker_;
-  world::PairSelection all_pairs_;
+  pipeline::Planner planner_;
   PlanWriter plan_json_;
   std::atomic_flag planning_;
   std::mutex resolving_;  // Guards what follows, and keeps resolving to one thread.

@@ -264,15 +264,16 @@ std::string describe_moved(const world::Workcell& shown, const world::Workcell& 
   return text_of(bodies);
 }
 
-std::string describe_clearance(const std::shared_ptr<const world::Workcell>& cell,
+std::string describe_clearance(const collision::CompiledCell& compiled,
                                const motion::Motion& motion, double rate) {
   expects(rate > 0, "the rate of clearance samples must be positive");
   constexpr double kMostSteps = 2000;
-  const collision::SsvChecker checker(cell);
+  const world::Workcell& cell = compiled.cell();
+  const collision::SsvChecker& checker = compiled.exact();
   const auto scratch = checker.make_scratch();
-  const world::PairSelection all = cell->select(world::PairScope::all());
+  const world::PairSelection& all = compiled.selection(world::PairScope::all());
   Json samples = Json::array();
-  Eigen::VectorXd q(cell->dof());
+  Eigen::VectorXd q(cell.dof());
   const double steps = std::ceil(std::min(motion.duration() * rate, kMostSteps));
   const double step = std::max(1 / rate, motion.duration() / kMostSteps);
   for (double i = 0; i <= steps; ++i) {
@@ -281,7 +282,7 @@ std::string describe_clearance(const std::shared_ptr<const world::Workcell>& cel
     const collision::PairClearance nearest = checker.least_clearance(q, all, *scratch);
     if (nearest.pair < 0) break;
     Json sample = {{"t", t}};
-    sample.update(clearance_json(*cell, nearest));
+    sample.update(clearance_json(cell, nearest));
     samples.push_back(std::move(sample));
   }
   return text_of(samples);

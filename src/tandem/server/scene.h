@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "tandem/collision/compiled_cell.h"
 #include "tandem/motion/motion.h"
-#include "tandem/world/workcell.h"
 
 namespace tandem::server {
 
@@ -30,7 +30,7 @@ inline constexpr double kClearanceRate = 50;  ///< [Hz] that the page is given.
 /// Least clearance over a motion at `rate` [Hz] and at its end: time, distance, pair, witness
 /// points. By the swept sphere volumes, padding included. Long motions are sampled less often: at
 /// 2001 times at most. `[]` without pairs to check.
-std::string describe_clearance(const std::shared_ptr<const world::Workcell>& cell,
+std::string describe_clearance(const collision::CompiledCell& compiled,
                                const motion::Motion& motion, double rate);
 
 }  // namespace tandem::server

@@ -1,6 +1,7 @@
 #include "tandem/world/workcell.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstdio>
 
 #include "tandem/core/contract.h"
@@ -34,6 +35,8 @@ PairScope PairScope::arm(int i, ArmMask standing) { return {bit(i), bit(i) | sta
 
 PairScope PairScope::between(int i, int j) { return {bit(i) | bit(j), ~ArmMask{0}}; }
 
+PairScope PairScope::several() { return {.least = 2}; }
+
 int Workcell::find_arm(std::string_view name) const { return find_by_name(arms_, name); }
 
 int Workcell::find_body(std::string_view name) const { return find_by_name(bodies_, name); }
@@ -42,7 +45,8 @@ PairSelection Workcell::select(const PairScope& scope) const {
   PairSelection selection;
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const ArmMask mask = pairs_[i].moved_by;
-    if ((mask & scope.required) == scope.required && (mask & ~scope.permitted) == 0) {
+    if ((mask & scope.required) == scope.required && (mask & ~scope.permitted) == 0 &&
+        std::popcount(mask) >= scope.least) {
       selection.push_back(static_cast<int>(i));
     }
   }

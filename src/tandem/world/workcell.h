@@ -1,6 +1,7 @@
 #pragma once
 /// The cell: placed robots, named arms, obstacles, attached objects, allowed pairs, queries.
 
+#include <compare>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -176,9 +177,14 @@ struct PairScope {
   static PairScope arm(int i, ArmMask standing = 0);
   /// Pairs that both arm i and arm j can move.
   static PairScope between(int i, int j);
+  /// Pairs that two arms or more can move: what is left of `all` when every arm was asked alone.
+  static PairScope several();
 
   ArmMask required = 0;             ///< Arms that must be able to move the pair...
-  ArmMask permitted = ~ArmMask{0};  ///< ...and those that may.
+  ArmMask permitted = ~ArmMask{0};  ///< ...and those that may;
+  int least = 1;                    ///< so many of them can at least.
+
+  auto operator<=>(const PairScope&) const = default;
 };
 
 /// Indices into pairs().

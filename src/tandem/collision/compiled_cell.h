@@ -1,0 +1,43 @@
+#pragma once
+/// A workcell compiled for collision checks, once.
+
+#include <map>
+#include <mutex>
+
+#include "tandem/collision/batch_checker.h"
+#include "tandem/collision/ssv_checker.h"
+
+namespace tandem::collision {
+
+/// The exact checker and the batch checker of one workcell, and its pairs by scope. Immutable and
+/// thread-safe: share it between plans and threads. What not everybody asks for is compiled when
+/// it is first asked for.
+class CompiledCell {
+ public:
+  explicit CompiledCell(std::shared_ptr<const world::Workcell> cell);
+
+  const world::Workcell& cell() const { return *cell_; }
+  const std::shared_ptr<const world::Workcell>& shared_cell() const { return cell_; }
+  const SsvChecker& exact() const { return exact_; }
+  const BatchChecker& batch() const;
+
+  /// References stay valid as long as this does.
+  const world::PairSelection& selection(const world::PairScope& scope) const;
+  /// For batch().
+  BatchChecker::Pairs pairs(const world::PairScope& scope) const;
+
+ private:
+  /// What was asked for so far. Nodes of maps stay where they are.
+  struct Known {
+    std::mutex mutex;
+    std::unique_ptr<const BatchChecker> batch;
+    std::map<world::PairScope, world::PairSelection> selections;
+    std::map<world::PairScope, BatchChecker::Pairs> pairs;
+  };
+
+  std::shared_ptr<const world::Workcell> cell_;
+  SsvChecker exact_;
+  std::unique_ptr<Known> known_ = std::make_unique<Known>();
+};
+
+}  // namespace tandem::collision

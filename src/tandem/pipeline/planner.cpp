@@ -1,0 +1,139 @@
+#include "tandem/pipeline/planner.h"
+
+#include <algorithm>
+#include <mutex>
+
+#include "tandem/core/contract.h"
+#include "tandem/pipeline/centralized.h"
+#include "tandem/pipeline/modules.h"
+#include "tandem/pipeline/path.h"
+#include "tandem/pipeline/resolve.h"
+
+namespace tandem::pipeline {
+
+using collision::CompiledCell;
+using world::Workcell;
+
+/// The compiled cells that were asked for last.
+class Planner::Cells {
+ public:
+  explicit Cells(std::shared_ptr<const Workcell> cell) : cell_(std::move(cell)) {}
+
+  const std::shared_ptr<const Workcell>& cell() const { return cell_; }
+  std::shared_ptr<const CompiledCell> compiled(const std::shared_ptr<const Workcell>& cell);
+
+ private:
+  static constexpr std::size_t kMost = 32;
+
+  std::shared_ptr<const Workcell> cell_;
+  std::mutex mutex_;
+  std::vector<std::shared_ptr<const CompiledCell>> recent_;  // The last asked for at the end.
+};
+
+std::shared_ptr<const CompiledCell> Planner::Cells::compiled(
+    const std::shared_ptr<const Workcell>& cell) {
+  const std::lock_guard lock(mutex_);
+  const auto known = std::ranges::find(recent_, cell, &CompiledCell::shared_cell);
+  if (known != recent_.end()) {
+    std::rotate(known, known + 1, recent_.end());
+    return recent_.back();
+  }
+  if (recent_.size() == kMost) recent_.erase(recent_.begin());
+  recent_.push_back(std::make_shared<const CompiledCell>(cell));
+  return recent_.back();
+}
+
+namespace {
+
+const std::shared_ptr<const Workcell>& expect_cell(const std::shared_ptr<const Workcell>& cell) {
+  expects(cell != nullptr, "a planner needs a workcell");
+  return cell;
+}
+
+void expect_question(const Workcell& cell, const ResolvedQuery& query, const PlanOptions& options) {
+  expects(query.start.size() == cell.dof() && query.goal.size() == cell.dof(),
+          "start and goal must have the cell's number of joints");
+  expects(options.deadline > 0, "the deadline must be positive");
+}
+
+}  // namespace
+
+Planner::Planner(std::shared_ptr<const Workcell> cell)
+    : cells_(std::make_unique<Cells>(expect_cell(cell))) {}
+
+Planner::~Planner() = default;
+
+const std::shared_ptr<const Workcell>& Planner::cell() const { return cells_->cell(); }
+
+std::shared_ptr<const CompiledCell> Planner::compiled(
+    const std::shared_ptr<const Workcell>& cell) const {
+  return cells_->compiled(cell ? cell : cells_->cell());
+}
+
+void Planner::prepare(const std::shared_ptr<const Workcell>& cell, Preset preset) const {
+  // Whoever plans makes these.
+  (void)make_modules(preset, *compiled(cell), {});
+}
+
+Result<ResolvedQuery> Planner::resolve(const world::Query& query, std::uint64_t seed,
+                                       const StopCondition& stop) const {
+  return resolve_query(*this, query, seed, stop);
+}
+
+Result<std::vector<ResolvedQuery>> Planner::resolve_all(const std::vector<world::Query>& queries,
+                                                        std::uint64_t seed,
+                                                        const StopCondition& stop) const {
+  return resolve_queries(*this, queries, seed, stop);
+}
+
+Result<void> Planner::check_ends(const ResolvedQuery& query) const {
+  return pipeline::check_ends(*compiled(query.cell), query);
+}
+
+Result<Plan> Planner::plan(const ResolvedQuery& ends, const PlanOptions& options,
+                           PlanReport* report) const {
+  ResolvedQuery query = ends;
+  if (!query.cell) query.cell = cell();
+  expect_question(*query.cell, query, options);
+  PlanReport own;
+  PlanReport& filled = report ? *report : own;
+  filled = {};
+  const StopCondition stop = StopCondition::after(options.deadline, options.token);
+
+  auto planned = [&]() -> Result<Plan> {
+    ModuleTimer timer(filled.times.total);
+    const auto in = compiled(query.cell);
+    if (auto feasible = pipeline::check_ends(*in, query); !feasible) {
+      return std::unexpected(feasible.error());
+    }
+    return plan_centralized(*in, query, options, stop, filled);
+  }();
+  if (planned) planned->report = filled;
+  return planned;
+}
+
+Result<Plan> Planner::plan(const world::Query& query, const PlanOptions& options,
+                           PlanReport* report) const {
+  auto resolved =
+      resolve(query, options.seed, StopCondition::after(options.deadline, options.token));
+  if (!resolved) return std::unexpected(resolved.error());
+  return plan(*resolved, options, report);
+}
+
+Result<PathPlan> Planner::plan_path(const ResolvedQuery& query, const PlanOptions& options,
+                                    PlanReport* report) const {
+  const auto in = compiled(query.cell);
+  expect_question(in->cell(), query, options);
+  PlanReport own;
+  PlanOptions path_options = options;
+  path_options.keep_phases = false;
+  return find_path(*in, query, path_options, report ? *report : own);
+}
+
+Result<double> Planner::certify_path(const motion::JointPath& path,
+                                     const std::stop_token& token) const {
+  constexpr double kForever = std::numeric_limits<double>::infinity();
+  return pipeline::certify_path(*compiled(), path, StopCondition::after(kForever, token));
+}
+
+}  // namespace tandem::pipeline
