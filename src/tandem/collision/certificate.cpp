@@ -2,20 +2,13 @@
 
 #include <algorithm>
 
-#include "tandem/collision/ssv_descent.h"
+#include "tandem/collision/ssv_box.h"
 
 namespace tandem::collision {
 
 namespace {
 
-using Eigen::Vector3d;
-
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Covers the rounding of poses and distances, the iterative kernels of cylinders included [m].
-constexpr double kRounding = 2e-9;
-/// Two spheres whose centres are nearer than this many times their travel are left to the halves of
-/// the interval: the exact distance would seldom prove them apart. Decides about speed only.
-constexpr double kHopeful = 1.5;
 
 /// One call of certify().
 class Certifier {
@@ -31,18 +24,13 @@ class Certifier {
   Certificate run(double t0, double t1, const world::PairSelection& selection);
 
  private:
-  enum class Finding { kApart, kUnproven, kTouching };
-  class Descent;
+  using Finding = PairOnBox::Finding;
   using Interval = CertificateBuffers::Interval;
 
   bool place(double t);
   bool examine(const Interval& interval);
   bool examine_ends(double t0, double t1);
-  double slack(const SsvPair& pair, int a, int b);
-  bool is_hopeless(const SsvPair& pair, int a, int b);
   Finding examine_pair(int index);
-  double distance_over_interval(const SsvPair& pair, const NearNodes& near);
-  double furthest(const Vector3d& n_W, const SsvPair& pair, int leaf, int side, bool rigid);
   bool sample(const Interval& interval);
   void note(int pair, double bound);
   bool end(Verdict verdict, int pair);
@@ -95,98 +83,13 @@ void Certifier::note(int pair, double bound) {
   result_.time = time_;
 }
 
-/// Upper bound of n.p over the interval for all p of the core of a leaf.
-double Certifier::furthest(const Vector3d& n_W, const SsvPair& pair, int leaf, int side,
-                           bool rigid) {
-  const geometry::Shape& shape_W = scratch_.piece(leaf, side);
-  if (rigid) return n_W.dot(shape_W.support(n_W));
-  const int joint = scratch_.model().node(leaf).joint;
-  double most = -kInfinity, most_travel = 0;
-  scratch_.for_each_vertex(leaf, side, [&](const Vector3d& v_W) {
-    const double travel = scratch_.travel_along(n_W, joint, pair.common, v_W);
-    most = std::max(most, n_W.dot(v_W) + travel);
-    most_travel = std::max(most_travel, travel);
-  });
-  if (shape_W.type() != geometry::CoreType::kCylinder) return most;
-  return std::min(most, n_W.dot(shape_W.support(n_W)) + most_travel);  // The hull is wider.
-}
-
-/// Lower bound of the distance of two pieces over the interval: that of the planes which support
-/// them along the normal. Any unit normal gives a valid bound, the one at the middle a good one.
-double Certifier::distance_over_interval(const SsvPair& pair, const NearNodes& near) {
-  const geometry::Shape& a_W = scratch_.piece(near.a, 0);
-  const geometry::Shape& b_W = scratch_.piece(near.b, 1);
-  const geometry::Clearance c = geometry::clearance(a_W, b_W);
-  if (!(c.distance > 0)) return -kInfinity;
-  if (c.distance <= target_) return c.distance;
-  return -furthest(-c.nhat_BA_W, pair, near.a, 0, pair.rigid_a) -
-         furthest(c.nhat_BA_W, pair, near.b, 1, pair.rigid_b) - a_W.radius() - b_W.radius() -
-         kRounding;
-}
-
-/// How much nearer two bounding spheres may come on the interval.
-double Certifier::slack(const SsvPair& pair, int a, int b) {
-  return scratch_.travel(a, pair.shared) + scratch_.travel(b, pair.shared) + kRounding;
-}
-
-bool Certifier::is_hopeless(const SsvPair& pair, int a, int b) {
-  return (scratch_.center(a) - scratch_.center(b)).norm() < target_ + kHopeful * slack(pair, a, b);
-}
-
-/// The descent into one pair on one interval. Once anything is unproven the rest is only searched
-/// for what touches at the middle.
-class Certifier::Descent {
- public:
-  Descent(Certifier& certifier, const SsvPair& pair) : c_(certifier), pair_(pair) {}
-
-  double slack(int a, int b) { return c_.slack(pair_, a, b); }
-  double core_slack(int leaf, int side, int node) {
-    return c_.scratch_.core_travel(leaf, pair_.shared, side) +
-           c_.scratch_.travel(node, pair_.shared) + kRounding;
-  }
-  bool has_given_up() const { return finding != Finding::kApart; }
-  bool settles(const NearNodes& near) {
-    if (!(near.distance > 0) || !c_.is_hopeless(pair_, near.a, near.b)) return false;
-    finding = Finding::kUnproven;
-    return true;
-  }
-  double visit(const NearNodes& near) {
-    if (has_given_up() && near.distance > 0) return 0.0;
-    const double kept = c_.distance_over_interval(pair_, near);
-    if (kept == -kInfinity) {
-      finding = Finding::kTouching;
-      return -kInfinity;
-    }
-    if (!(kept > c_.target_)) finding = Finding::kUnproven;
-    bound = std::min(bound, kept);
-    return has_given_up() ? 0.0 : c_.target_;
-  }
-
-  Finding finding = Finding::kApart;
-  double bound = kInfinity;
-
- private:
-  Certifier& c_;
-  const SsvPair& pair_;
-};
-
 Certifier::Finding Certifier::examine_pair(int index) {
   const SsvPair& pair = scratch_.model().pair(index);
-  const double taken = slack(pair, pair.a, pair.b);
-  if (scratch_.spheres_apart(pair.a, pair.b, taken + std::max(target_, result_.least_clearance))) {
-    return Finding::kApart;
-  }
-  const double apart = scratch_.sphere_distance(pair.a, pair.b);
-  if (apart - taken > target_) {
-    note(index, apart - taken);
-    return Finding::kApart;
-  }
+  const PairOnBox found = examine_on_box(scratch_, pair, target_, result_.least_clearance);
   // What is outside a closed mesh at one time, and touches it at none, is outside at all times.
   if (is_first_ && pair.solid && is_inside(scratch_, pair)) return Finding::kTouching;
-  Descent descent(*this, pair);
-  const double least_skipped = visit_near(scratch_, pair, target_, descent);
-  if (descent.finding == Finding::kApart) note(index, std::min(descent.bound, least_skipped));
-  return descent.finding;
+  if (found.finding == Finding::kApart) note(index, found.bound);
+  return found.finding;
 }
 
 /// The least distance of any sample sets how much clearance is worth proving.
