@@ -16,6 +16,13 @@ void check(const io::PlanFile& plan) {
   require(plan.trajectory.dof() == dof, "the trajectory fits the arms");
   const double duration = plan.trajectory.duration();
   require(std::isfinite(duration) && duration > 0, "motions last");
+  for (const double part : {0.0, 0.3, 1.0}) {
+    require(plan.trajectory.at(part * duration).q.size() == dof, "motions can be asked anywhere");
+  }
+  for (const motion::ArmMotion& arm : plan.trajectory.arms()) {
+    const auto pieces = arm.pieces();
+    require(!pieces.empty() && pieces.back().t1 == arm.duration(), "pieces cover the motion");
+  }
   require(plan.report.least_clearance >= 0, "clearances are not negative");
   for (const pipeline::Phase& phase : plan.report.phases) {
     for (const Eigen::VectorXd& q : phase.path) {

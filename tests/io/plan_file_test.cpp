@@ -23,6 +23,14 @@ void expect_same(const motion::PiecewiseCubic& a, const motion::PiecewiseCubic& 
   }
 }
 
+void expect_same(const motion::ArmMotion& a, const motion::ArmMotion& b) {
+  expect_same(a.spline(), b.spline());
+  ASSERT_EQ(a.map().has_value(), b.map().has_value());
+  if (!a.map()) return;
+  EXPECT_EQ(a.map()->knots(), b.map()->knots());
+  EXPECT_EQ(a.map()->segments(), b.map()->segments());
+}
+
 void expect_same(const pipeline::PlanReport& a, const pipeline::PlanReport& b) {
   EXPECT_NEAR(a.times.path_planning, b.times.path_planning, 1e-15);
   EXPECT_NEAR(a.times.total, b.times.total, 1e-15);
@@ -142,14 +150,32 @@ TEST(PlanFile, HasTheKeysOfTheSchema) {
   const auto text = plan_json(rough_plan(*cell, 4), *cell, "plan.json");
   ASSERT_TRUE(text);
   const auto json = nlohmann::json::parse(*text);
-  EXPECT_EQ(json["schema_version"], 2);
+  EXPECT_EQ(json["schema_version"], 3);
   EXPECT_EQ(json["scene"]["objects"].size(), 2u);
   const auto& arm = json["arms"][0];
   EXPECT_EQ(arm["coefficients"].size() + 1, arm["knots"].size());
   EXPECT_EQ(arm["coefficients"][0].size(), arm["joints"].size());
   EXPECT_EQ(arm["coefficients"][0][0].size(), 4u);
+  EXPECT_FALSE(arm.contains("time_map"));
   EXPECT_EQ(json["report"]["times_ms"].size(), 8u);
   EXPECT_TRUE(json["report"]["arms"]["left"].contains("L_after"));
+}
+
+TEST(PlanFile, OfTheVersionBeforeTimeMapsIsRead) {
+  const TemporaryFolder folder;
+  const auto cell = small_cell();
+  const auto plan = rough_plan(*cell, 4);
+  const auto text = plan_json(plan, *cell, folder / "plan.json");
+  ASSERT_TRUE(text);
+  auto json = nlohmann::json::parse(*text);
+  json["schema_version"] = 2;
+  test::write_text(folder / "plan.json", json.dump());
+  const auto loaded = load_plan(folder / "plan.json");
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  expect_same(loaded->trajectory.arms()[0], plan.trajectory.arms()[0]);
+  json["arms"][0]["time_map"] = {{"knots", {0, 1}}, {"coefficients", {{0}}}};
+  test::write_text(folder / "plan.json", json.dump());
+  EXPECT_FALSE(load_plan(folder / "plan.json"));
 }
 
 TEST(PlanFile, WorkcellIsFoundFromThePlanFileAfterAMove) {

@@ -68,7 +68,7 @@ TEST_P(Damaged, IsRefusedWithKeyValueAndExpectation) {
 INSTANTIATE_TEST_SUITE_P(
     Top, Damaged,
     testing::Values(
-        Damage{"/schema_version", "1", {"schema_version is 1", "expected 2", "another"}},
+        Damage{"/schema_version", "1", {"schema_version is 1", "expected 2 to 3", "another"}},
         Damage{"/schema_version", "\"1\"", {"schema_version is \"1\"", "whole number"}},
         Damage{"/schema_version", "", {"key schema_version is missing"}},
         Damage{"/tandem_version", "\"\"", {"tandem_version is \"\"", "not empty"}},
@@ -85,6 +85,38 @@ INSTANTIATE_TEST_SUITE_P(
         Damage{"/goal/7", "\"a\"", {"goal[7] is \"a\"", "a number"}},
         Damage{"/goal/7", "false", {"goal[7] is false", "a number"}},
         Damage{"/goal/7", "null", {"goal[7] is null", "a number"}}));
+
+INSTANTIATE_TEST_SUITE_P(
+    TimeMap, Damaged,
+    testing::Values(Damage{"/arms/0/time_map", "3", {"arms[0].time_map is 3", "an object"}},
+                    Damage{"/arms/0/time_map",
+                           R"({"knots": [0, 1]})",
+                           {"key arms[0].time_map.coefficients is missing"}},
+                    Damage{"/arms/0/time_map",
+                           R"({"knots": [0, 1, 1], "coefficients": [[0], [0]]})",
+                           {"arms[0].time_map", "knot 2 (1.000000)", "greater"}},
+                    Damage{"/arms/0/time_map",
+                           R"({"knots": [0, null], "coefficients": [[0]]})",
+                           {"arms[0].time_map.knots[1] is null", "a number"}},
+                    Damage{"/arms/0/time_map",
+                           R"({"knots": [0, 1], "coefficients": [[0], [0]]})",
+                           {"arms[0].time_map", "2 knots need 1 segments, there are 2"}},
+                    Damage{"/arms/0/time_map",
+                           R"({"knots": [0, 1], "coefficients": [[]]})",
+                           {"arms[0].time_map.coefficients[0] is a list of 0", "1 to 6 numbers"}},
+                    Damage{"/arms/0/time_map",
+                           R"({"knots": [0, 1], "coefficients": [[0, 1, 2, 3, 4, 5, 6]]})",
+                           {"arms[0].time_map.coefficients[0] is a list of 7", "1 to 6 numbers"}},
+                    Damage{"/arms/0/time_map",
+                           R"({"knots": [0, 1], "coefficients": [[0, "a"]]})",
+                           {"arms[0].time_map.coefficients[0][1] is \"a\"", "a number"}},
+                    Damage{"/arms/0/time_map",
+                           R"({"knots": [0, 1], "coefficients": [[-0.5]]})",
+                           {"arms[0].time_map", "c is -0.500000 at knot 0",
+                            "outside the motion's time"}},
+                    Damage{"/arms/0/time_map",
+                           R"({"knots": [0, 1], "coefficients": [[0, 100]]})",
+                           {"arms[0].time_map", "c is 100.000000 at knot 1"}}));
 
 INSTANTIATE_TEST_SUITE_P(
     Scene, Damaged,

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "motion/random_motions.h"
 #include "small_cell.h"
 #include "tandem/core/rng.h"
 #include "tandem/io/plan_file.h"
@@ -90,8 +91,13 @@ inline std::shared_ptr<const world::Workcell> rough_scene(const world::Workcell&
 /// Nothing in it fits together but the sizes: files do not care.
 inline pipeline::Plan rough_plan(const world::Workcell& cell, std::uint64_t seed) {
   Rng rng(seed);
-  std::vector<motion::PiecewiseCubic> splines;
-  for (const world::Arm& arm : cell.arms()) splines.push_back(rough_spline(rng, arm.dof()));
+  std::vector<motion::ArmMotion> motions;
+  for (const world::Arm& arm : cell.arms()) {
+    motion::ArmMotion motion = rough_spline(rng, arm.dof());
+    const bool has_map = seed % 4 == 1 || (seed % 4 == 2 && motions.empty());
+    if (has_map) motion = *motion.along(motion::random_map(rng, 3, motion.duration()));
+    motions.push_back(std::move(motion));
+  }
   return {.query = "cross",
           .strategy = pipeline::Strategy::kCentralized,
           .preset = seed % 2 ? pipeline::Preset::kPaper : pipeline::Preset::kDefault,
@@ -99,7 +105,7 @@ inline pipeline::Plan rough_plan(const world::Workcell& cell, std::uint64_t seed
           .plpp = seed % 3 == 0,
           .ends = {"cross", rough_vector(rng, cell.dof()), rough_vector(rng, cell.dof()),
                    rough_scene(cell, rng)},
-          .trajectory = motion::CellMotion(std::move(splines)),
+          .trajectory = motion::CellMotion(std::move(motions)),
           .report = rough_report(rng, cell.dof())};
 }
 

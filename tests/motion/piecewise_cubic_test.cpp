@@ -4,37 +4,14 @@
 
 #include <cmath>
 
+#include "motion/random_motions.h"
 #include "tandem/core/contract.h"
-#include "tandem/core/rng.h"
 
 namespace tandem::motion {
 namespace {
 
 using Eigen::VectorXd;
 using Coefficients = PiecewiseCubic::Coefficients;
-
-Coefficients random_coefficients(Rng& rng, int dof) {
-  Coefficients c = Eigen::MatrixXd::NullaryExpr(dof, 4, [&] { return rng.uniform(-2, 2); });
-  // Degenerate cubics in every mix: constants, lines, parabolas, and leading terms next to nothing.
-  for (int j = 0; j < dof; ++j) {
-    for (int i = 0; i < 4; ++i) {
-      const std::size_t kind = rng.index(6);
-      if (kind == 0) c(j, i) = 0;
-      if (kind == 1) c(j, i) *= 1e-14;
-    }
-  }
-  return c;
-}
-
-PiecewiseCubic random_motion(Rng& rng, int count, int dof) {
-  std::vector<double> knots{0};
-  std::vector<Coefficients> segments;
-  for (int k = 0; k < count; ++k) {
-    knots.push_back(knots.back() + std::pow(10, rng.uniform(-3, 0.3)));
-    segments.push_back(random_coefficients(rng, dof));
-  }
-  return *PiecewiseCubic::make(knots, segments);
-}
 
 /// 1 + 2s + 3s^2 + 4s^3 on [0, 1], then 10 + s on [1, 3].
 PiecewiseCubic known_motion() {
@@ -241,32 +218,6 @@ TEST(PiecewiseCubic, MeasuresJumps) {
   EXPECT_TRUE(known_motion().largest_jumps().isApprox(Eigen::Vector3d(0, 19, 30)));
   Coefficients one = Coefficients::Ones(2, 4);
   EXPECT_EQ(PiecewiseCubic::make({0, 1}, {one})->largest_jumps(), Eigen::Vector3d::Zero());
-}
-
-TEST(CellMotion, RunsArmsSideBySideAndLetsShorterOnesWait) {
-  Rng rng(7);
-  const PiecewiseCubic left = random_motion(rng, 3, 2), right = random_motion(rng, 5, 3);
-  const CellMotion cell({left, right});
-  EXPECT_EQ(cell.dof(), 5);
-  EXPECT_EQ(cell.duration(), std::max(left.duration(), right.duration()));
-  VectorXd q(5), D(5), D_left(2), D_right(3);
-  for (int i = 0; i < 200; ++i) {
-    const double t = rng.uniform(-0.2, 1.2 * cell.duration()), t1 = t + rng.uniform(0, 0.3);
-    const JointState state = cell.at(t);
-    cell.position(t, q);
-    EXPECT_EQ(q, state.q);
-    EXPECT_EQ(q.head(2), left.at(t).q);
-    EXPECT_EQ(q.tail(3), right.at(t).q);
-    EXPECT_EQ(state.qd.head(2), left.at(t).qd);
-    EXPECT_EQ(state.qdd.tail(3), right.at(t).qdd);
-    EXPECT_EQ(state.qddd.head(2), left.at(t).qddd);
-    cell.deviation(t, t1, D);
-    left.deviation(t, t1, D_left);
-    right.deviation(t, t1, D_right);
-    EXPECT_EQ(D.head(2), D_left);
-    EXPECT_EQ(D.tail(3), D_right);
-  }
-  EXPECT_THROW(CellMotion({}), ContractViolation);
 }
 
 }  // namespace

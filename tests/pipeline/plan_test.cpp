@@ -64,8 +64,10 @@ TEST_F(PlanOnSmallCell, OnePlannerMakesThePlansOfMany) {
       const auto shared = planner.plan(query_, {.seed = seed});
       ASSERT_TRUE(alone && shared);
       for (std::size_t i = 0; i < 2; ++i) {
-        EXPECT_EQ(alone->trajectory.arms()[i].knots(), shared->trajectory.arms()[i].knots());
-        EXPECT_EQ(alone->trajectory.arms()[i].segments(), shared->trajectory.arms()[i].segments());
+        EXPECT_EQ(alone->trajectory.arms()[i].spline().knots(),
+                  shared->trajectory.arms()[i].spline().knots());
+        EXPECT_EQ(alone->trajectory.arms()[i].spline().segments(),
+                  shared->trajectory.arms()[i].spline().segments());
       }
     });
   }
@@ -91,8 +93,8 @@ TEST_F(PlanOnSmallCell, SameSeedSamePlanOtherSeedOtherPlan) {
   const auto a = plan(cell_, query_, {.seed = 5}), b = plan(cell_, query_, {.seed = 5}),
              c = plan(cell_, query_, {.seed = 6});
   ASSERT_TRUE(a && b && c);
-  EXPECT_EQ(a->trajectory.arms()[0].knots(), b->trajectory.arms()[0].knots());
-  EXPECT_NE(a->trajectory.arms()[0].knots(), c->trajectory.arms()[0].knots());
+  EXPECT_EQ(a->trajectory.arms()[0].spline().knots(), b->trajectory.arms()[0].spline().knots());
+  EXPECT_NE(a->trajectory.arms()[0].spline().knots(), c->trajectory.arms()[0].spline().knots());
 }
 
 TEST_F(PlanOnSmallCell, PaperPresetRepairsNothing) {

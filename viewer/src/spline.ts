@@ -1,58 +1,111 @@
 /// The motion of a plan: q(t) and its derivatives.
 
-import type { ArmData, ClearanceSample, PlanArm, PlanData } from './types';
+import type { ArmData, ClearanceSample, PlanArm, PlanData, TimeMap } from './types';
 
 /** Order of a derivative: position, velocity, acceleration, jerk. */
 export type Order = 0 | 1 | 2 | 3;
 
-/** On segment k, with s = t - knot_k: q = c0 + c1 s + c2 s^2 + c3 s^3 per joint. */
+/** On segment k, with s = t - knot_k: q = c0 + c1 s + c2 s^2 + c3 s^3 per joint; or q(c(t)), if c(t) is given. */
 export class ArmMotion {
-  readonly knots: number[];
+  readonly duration: number;
+  /** Real times between which every joint is one polynomial, both ends included. */
+  readonly breaks: number[];
+  private readonly knots: number[];
   private readonly coefficients: number[][][];
+  private readonly map?: TimeMap;
 
   constructor(arm: PlanArm) {
     this.knots = arm.knots;
     this.coefficients = arm.coefficients;
-  }
-
-  get duration(): number {
-    return this.knots[this.knots.length - 1];
+    this.map = arm.time_map;
+    const times = this.map?.knots ?? this.knots;
+    this.duration = times[times.length - 1];
+    this.breaks = this.map ? [...times, ...crossings(this.map, this.knots)].sort((a, b) => a - b) : times;
   }
 
   segmentAt(t: number): number {
-    let low = 0;
-    let high = this.knots.length - 2;
-    while (low < high) {
-      const middle = (low + high + 1) >> 1;
-      if (this.knots[middle] <= t) low = middle;
-      else high = middle - 1;
-    }
-    return low;
+    return segmentAt(this.knots, t);
   }
 
   /** Writes the derivative of all joints into out[first...]. Past its end the arm stands still. */
   evaluate(t: number, order: Order, out: Float64Array | number[], first: number): void {
-    const end = this.duration;
-    const k = this.segmentAt(t);
-    const s = Math.min(Math.max(t, 0), end) - this.knots[k];
-    const still = order > 0 && t > end;
-    this.coefficients[k].forEach((c, j) => {
-      out[first + j] = still ? 0 : derivative(c, s, order);
+    const real = Math.min(Math.max(t, 0), this.duration);
+    const c = this.map ? derivatives(this.map.coefficients, this.map.knots, real) : [real, 1, 0, 0];
+    const end = this.knots[this.knots.length - 1];
+    const still = order > 0 && (t > this.duration || c[0] < 0 || c[0] > end);
+    const k = this.segmentAt(c[0]);
+    const s = Math.min(Math.max(c[0], 0), end) - this.knots[k];
+    this.coefficients[k].forEach((q, j) => {
+      out[first + j] = still ? 0 : composed(taylor(q, s), c, order);
     });
   }
 }
 
-function derivative([c0, c1, c2, c3]: number[], s: number, order: Order): number {
+function segmentAt(knots: number[], t: number): number {
+  let low = 0;
+  let high = knots.length - 2;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (knots[middle] <= t) low = middle;
+    else high = middle - 1;
+  }
+  return low;
+}
+
+/** A polynomial and its first three derivatives. */
+function taylor(coefficients: number[], s: number): number[] {
+  const t = [0, 0, 0, 0];
+  for (let i = coefficients.length - 1; i >= 0; --i) {
+    for (let n = 3; n > 0; --n) t[n] = t[n] * s + t[n - 1];
+    t[0] = t[0] * s + coefficients[i];
+  }
+  return [t[0], t[1], 2 * t[2], 6 * t[3]];
+}
+
+function derivatives(segments: number[][], knots: number[], t: number): number[] {
+  const k = segmentAt(knots, t);
+  return taylor(segments[k], t - knots[k]);
+}
+
+/** Derivative of q(c(t)) from those of q and c, by the chain rule. */
+function composed(q: number[], c: number[], order: Order): number {
   switch (order) {
     case 0:
-      return c0 + s * (c1 + s * (c2 + s * c3));
+      return q[0];
     case 1:
-      return c1 + s * (2 * c2 + s * 3 * c3);
+      return q[1] * c[1];
     case 2:
-      return 2 * c2 + 6 * c3 * s;
+      return q[2] * c[1] ** 2 + q[1] * c[2];
     case 3:
-      return 6 * c3;
+      return q[3] * c[1] ** 3 + 3 * q[2] * c[1] * c[2] + q[1] * c[3];
   }
+}
+
+/** Where c(t) passes knots, found between steps of its segments. */
+function crossings(map: TimeMap, knots: number[]): number[] {
+  const steps = 16;
+  const found: number[] = [];
+  map.coefficients.forEach((segment, k) => {
+    const begin = map.knots[k];
+    const h = map.knots[k + 1] - begin;
+    const value = (s: number) => taylor(segment, s)[0];
+    for (let i = 0; i < steps; ++i) {
+      const low = (h * i) / steps;
+      const high = (h * (i + 1)) / steps;
+      for (const knot of knots) {
+        const rises = value(low) < knot;
+        if (rises === value(high) < knot) continue;
+        let [from, to] = [low, high];
+        for (let n = 0; n < 50; ++n) {
+          const middle = (from + to) / 2;
+          if (value(middle) < knot === rises) from = middle;
+          else to = middle;
+        }
+        found.push(begin + to);
+      }
+    }
+  });
+  return found;
 }
 
 /** All arms side by side, in the order of the cell's q. */
@@ -85,7 +138,7 @@ export class CellMotion {
     const times = new Set<number>();
     for (let i = 0; i <= count; ++i) times.add((this.duration * i) / count);
     for (const arm of this.arms) {
-      for (const knot of arm.knots) {
+      for (const knot of arm.breaks) {
         times.add(knot);
         if (knot > before) times.add(knot - before);
         if (knot < this.duration) times.add(knot + before);

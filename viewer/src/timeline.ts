@@ -46,7 +46,7 @@ export class Timeline {
     this.marks.replaceChildren();
     if (!motion || motion.duration <= 0) return;
     const place = (t: number) => `left:${((100 * t) / motion.duration).toFixed(3)}%`;
-    const knots = new Set(motion.arms.flatMap((arm) => arm.knots));
+    const knots = new Set(motion.arms.flatMap((arm) => arm.breaks));
     for (const t of knots) this.marks.append(el('i', { style: place(t) }));
     if (clearance.length === 0) return;
     const least = clearance.reduce((best, sample) => (sample.distance < best.distance ? sample : best));

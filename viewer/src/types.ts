@@ -106,12 +106,20 @@ export interface SceneData {
   home: number[];
 }
 
+/** c(t), from real time to the local time of an arm's spline. */
+export interface TimeMap {
+  knots: number[];
+  /** coefficients[segment] = [c0, c1, ...], up to c5 */
+  coefficients: number[][];
+}
+
 export interface PlanArm {
   name: string;
   joints: string[];
   knots: number[];
   /** coefficients[segment][joint] = [c0, c1, c2, c3] */
   coefficients: number[][][];
+  time_map?: TimeMap;
 }
 
 export interface Phase {

@@ -53,6 +53,50 @@ describe('one arm', () => {
   });
 });
 
+describe('one arm along c(t)', () => {
+  // c = t^2 to t = 1, then 1 + 2 s - 0.5 s^2 + 0.01 s^5 to t = 2.5.
+  const time_map = { knots: [0, 1, 2.5], coefficients: [[0, 0, 1], [1, 2, -0.5, 0, 0, 0.01]] };
+  const arm = new ArmMotion({ ...left, time_map });
+  const plain = new ArmMotion(left);
+  const value = (motion: ArmMotion, t: number, order: Order) => {
+    const out = [0, 0];
+    motion.evaluate(t, order, out, 0);
+    return out[0];
+  };
+
+  it('is the spline at the mapped time', () => {
+    expect(arm.duration).toBe(2.5);
+    for (const t of [0.2, 0.9, 1.3, 2.4]) {
+      const c = t < 1 ? t ** 2 : 1 + 2 * (t - 1) - 0.5 * (t - 1) ** 2 + 0.01 * (t - 1) ** 5;
+      expect(value(arm, t, 0)).toBeCloseTo(value(plain, c, 0), 12);
+    }
+  });
+
+  it('has derivatives that agree with differences', () => {
+    const h = 1e-5;
+    for (const t of [0.3, 0.8, 1.2, 1.9, 2.4]) {
+      for (const order of [0, 1, 2] as const) {
+        const slope = (value(arm, t + h, order) - value(arm, t - h, order)) / (2 * h);
+        expect(slope).toBeCloseTo(value(arm, t, (order + 1) as Order), 4);
+      }
+    }
+  });
+
+  it('breaks at the knots of c and where c passes knots of the spline', () => {
+    const passes = arm.breaks.filter((t) => ![0, 1, 2.5].includes(t));
+    expect(passes.length).toBe(1);
+    const s = passes[0] - 1;
+    expect(1 + 2 * s - 0.5 * s ** 2 + 0.01 * s ** 5).toBeCloseTo(2, 12);
+  });
+
+  it('waits where c leaves the time of the spline', () => {
+    const beyond = new ArmMotion({ ...left, time_map: { knots: [0, 2], coefficients: [[5, 2, -1]] } });
+    expect(value(beyond, 1, 0)).toBeCloseTo(value(plain, 5, 0), 12);
+    expect(value(beyond, 1, 1)).toBe(0);
+    expect(value(beyond, 1, 3)).toBe(0);
+  });
+});
+
 describe('a cell', () => {
   const motion = new CellMotion(plan, arms);
 

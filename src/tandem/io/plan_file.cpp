@@ -17,22 +17,35 @@ Json vector_json(const Eigen::VectorXd& values) {
   return std::vector<double>(values.begin(), values.end());
 }
 
+/// knots, and coefficients[segment] = [c0, c1, ...] up to the last that is not 0.
+Json map_json(const motion::TimeMap& map) {
+  Json segments = Json::array();
+  for (const motion::TimeMap::Segment& segment : map.segments()) {
+    std::size_t count = segment.size();
+    while (count > 1 && segment[count - 1] == 0) --count;
+    segments.push_back(std::vector<double>(segment.begin(), segment.begin() + count));
+  }
+  return {{"knots", map.knots()}, {"coefficients", std::move(segments)}};
+}
+
 /// knots, and coefficients[segment][joint] = [c0, c1, c2, c3].
-Json arm_json(const world::Workcell& cell, std::size_t arm, const motion::PiecewiseCubic& spline) {
+Json arm_json(const world::Workcell& cell, std::size_t arm, const motion::ArmMotion& motion) {
   const world::Arm& a = cell.arms()[arm];
   const auto first = cell.joint_names().begin() + a.offset;
   Json segments = Json::array();
-  for (const auto& segment : spline.segments()) {
+  for (const auto& segment : motion.spline().segments()) {
     Json rows = Json::array();
     for (Eigen::Index j = 0; j < segment.rows(); ++j) {
       rows.push_back(vector_json(segment.row(j).transpose()));
     }
     segments.push_back(std::move(rows));
   }
-  return {{"name", a.name},
-          {"joints", std::vector<std::string>(first, first + a.dof())},
-          {"knots", spline.knots()},
-          {"coefficients", std::move(segments)}};
+  Json json = {{"name", a.name},
+               {"joints", std::vector<std::string>(first, first + a.dof())},
+               {"knots", motion.spline().knots()},
+               {"coefficients", std::move(segments)}};
+  if (motion.map()) json["time_map"] = map_json(*motion.map());
+  return json;
 }
 
 Json phases_json(const std::vector<pipeline::Phase>& phases) {
@@ -94,28 +107,28 @@ std::string workcell_entry(const fs::path& workcell, const fs::path& file) {
 
 Result<std::string> plan_json(const pipeline::Plan& plan, const world::Workcell& cell,
                               const fs::path& file) {
-  const std::vector<motion::PiecewiseCubic>& splines = plan.trajectory.arms();
-  expects(splines.size() == cell.arms().size() && plan.trajectory.dof() == cell.dof(),
+  const std::vector<motion::ArmMotion>& motions = plan.trajectory.arms();
+  expects(motions.size() == cell.arms().size() && plan.trajectory.dof() == cell.dof(),
           "the plan belongs to the cell");
-  expects(plan.report.arms.empty() || plan.report.arms.size() == splines.size(),
+  expects(plan.report.arms.empty() || plan.report.arms.size() == motions.size(),
           "the report has lengths for every arm or for none");
   Json arms = Json::array();
-  for (std::size_t i = 0; i < splines.size(); ++i) arms.push_back(arm_json(cell, i, splines[i]));
-  const Json json = {
-      {"schema_version", 2},
-      {"tandem_version", TANDEM_VERSION},
-      {"workcell", workcell_entry(cell.spec().file, file)},
-      {"query", plan.query},
-      {"seed", plan.seed},
-      {"options", {{"preset", to_string(plan.preset)},
-                   {"strategy", to_string(plan.strategy)},
-                   {"plpp", plan.plpp}}},
-      {"start", vector_json(plan.ends.start)},
-      {"goal", vector_json(plan.ends.goal)},
-      {"scene", scene_json((plan.ends.cell ? *plan.ends.cell : cell).scene())},
-      {"arms", std::move(arms)},
-      {"phases", phases_json(plan.report.phases)},
-      {"report", report_json(plan.report, cell, plan.trajectory.duration())}};
+  for (std::size_t i = 0; i < motions.size(); ++i) arms.push_back(arm_json(cell, i, motions[i]));
+  const Json json = {{"schema_version", 3},
+                     {"tandem_version", TANDEM_VERSION},
+                     {"workcell", workcell_entry(cell.spec().file, file)},
+                     {"query", plan.query},
+                     {"seed", plan.seed},
+                     {"options",
+                      {{"preset", to_string(plan.preset)},
+                       {"strategy", to_string(plan.strategy)},
+                       {"plpp", plan.plpp}}},
+                     {"start", vector_json(plan.ends.start)},
+                     {"goal", vector_json(plan.ends.goal)},
+                     {"scene", scene_json((plan.ends.cell ? *plan.ends.cell : cell).scene())},
+                     {"arms", std::move(arms)},
+                     {"phases", phases_json(plan.report.phases)},
+                     {"report", report_json(plan.report, cell, plan.trajectory.duration())}};
   // One line per key: small enough to send, and still readable.
   std::string text = "{";
   try {

@@ -10,7 +10,8 @@ namespace tandem::io {
 
 namespace {
 
-constexpr std::uint64_t kSchemaVersion = 2;
+constexpr std::uint64_t kSchemaVersion = 3;
+constexpr std::uint64_t kOldestVersion = 2;  ///< Without time maps, else the same.
 
 template <class Keys>
 std::vector<std::string> names_of(const Keys& keys) {
@@ -63,13 +64,37 @@ motion::PiecewiseCubic read_spline(const JsonReader& arm, Eigen::Index dof) {
   return std::move(*spline);
 }
 
+motion::TimeMap read_map(const JsonReader& json) {
+  json.expect_keys({"knots", "coefficients"});
+  std::vector<motion::TimeMap::Segment> segments;
+  for (const JsonReader& item : json["coefficients"].items()) {
+    const std::vector<double> numbers = item.numbers();
+    motion::TimeMap::Segment& segment = segments.emplace_back();
+    if (numbers.empty() || numbers.size() > segment.size()) {
+      item.refuse("1 to " + std::to_string(segment.size()) + " numbers: c0, c1, ...");
+    }
+    std::ranges::copy(numbers, segment.begin());
+  }
+  auto map = motion::TimeMap::make(json["knots"].numbers(), std::move(segments));
+  if (!map) json.complain(map.error().message);
+  return std::move(*map);
+}
+
+motion::ArmMotion read_motion(const JsonReader& arm, Eigen::Index dof) {
+  motion::ArmMotion motion = read_spline(arm, dof);
+  if (!arm.has("time_map")) return motion;
+  auto along = motion.along(read_map(arm["time_map"]));
+  if (!along) arm["time_map"].complain(along.error().message);
+  return std::move(*along);
+}
+
 pipeline::PlanReport read_report(const JsonReader& json, const std::vector<std::string>& arms,
                                  double duration) {
   pipeline::PlanReport report;
   json.expect_keys(
       {"motion_duration_s", "least_clearance_m", "times_ms", "counts", "arms", "rungs"});
   if (json["motion_duration_s"].number() != duration) {
-    json["motion_duration_s"].refuse("the last knot of the arms");
+    json["motion_duration_s"].refuse("the last knot of the arms, or of their time maps");
   }
   // A cell without pairs keeps them apart by any distance, which JSON cannot say as a number.
   const JsonReader clearance = json["least_clearance_m"];
@@ -143,9 +168,10 @@ world::SceneState read_scene(const JsonReader& json) {
 
 void check_schema(const JsonReader& json) {
   const JsonReader version = json["schema_version"];
-  if (version.count() != kSchemaVersion) {
-    version.refuse(std::to_string(kSchemaVersion) + ", the version that this tandem (" +
-                   TANDEM_VERSION + ") reads; the file was written by another");
+  if (version.count() < kOldestVersion || version.count() > kSchemaVersion) {
+    version.refuse(std::to_string(kOldestVersion) + " to " + std::to_string(kSchemaVersion) +
+                   ", the versions that this tandem (" + TANDEM_VERSION +
+                   ") reads; the file was written by another");
   }
   json.expect_keys({"schema_version", "tandem_version", "workcell", "query", "seed", "options",
                     "start", "goal", "scene", "arms", "phases", "report"});
@@ -156,21 +182,23 @@ PlanFile read_plan(const JsonReader& json, const std::filesystem::path& folder) 
   check_schema(json);
   std::vector<std::string> arms;
   std::vector<std::vector<std::string>> joints;
-  std::vector<motion::PiecewiseCubic> splines;
+  std::vector<motion::ArmMotion> motions;
   Eigen::Index dof = 0;
+  std::vector<std::string> optional;
+  if (json["schema_version"].count() > kOldestVersion) optional.emplace_back("time_map");
   for (const JsonReader& arm : json["arms"].items()) {
-    arm.expect_keys({"name", "joints", "knots", "coefficients"});
+    arm.expect_keys({"name", "joints", "knots", "coefficients"}, optional);
     arms.push_back(arm["name"].name());
     if (std::count(arms.begin(), arms.end(), arms.back()) > 1) {
       arm["name"].refuse("a name that no other arm has");
     }
     joints.push_back(unique_names(arm["joints"], "joint"));
     const auto count = static_cast<Eigen::Index>(joints.back().size());
-    splines.push_back(read_spline(arm, count));
+    motions.push_back(read_motion(arm, count));
     dof += count;
   }
   if (arms.empty()) json["arms"].refuse("at least one arm");
-  motion::CellMotion trajectory(std::move(splines));
+  motion::CellMotion trajectory(std::move(motions));
   pipeline::PlanReport report = read_report(json["report"], arms, trajectory.duration());
   report.phases = read_phases(json["phases"], dof);
   const std::filesystem::path workcell = json["workcell"].text();

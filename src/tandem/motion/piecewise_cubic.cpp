@@ -5,6 +5,7 @@
 #include <string>
 
 #include "tandem/core/contract.h"
+#include "tandem/motion/knots.h"
 
 namespace tandem::motion {
 
@@ -35,21 +36,8 @@ Result<PiecewiseCubic> PiecewiseCubic::make(std::vector<double> knots,
   const auto invalid = [](const std::string& what) {
     return fail(ErrorCode::kInvalidInput, "piecewise cubic: " + what);
   };
-  if (knots.size() < 2) {
-    return invalid("needs at least 2 knots, has " + std::to_string(knots.size()));
-  }
-  if (segments.size() + 1 != knots.size()) {
-    return invalid(std::to_string(knots.size()) + " knots need " +
-                   std::to_string(knots.size() - 1) + " segments, there are " +
-                   std::to_string(segments.size()));
-  }
-  if (knots[0] != 0) return invalid("knot 0 must be 0, is " + std::to_string(knots[0]));
-  for (std::size_t k = 1; k < knots.size(); ++k) {
-    if (!std::isfinite(knots[k]) || !(knots[k] > knots[k - 1])) {
-      return invalid("knot " + std::to_string(k) + " (" + std::to_string(knots[k]) +
-                     ") must be finite and greater than the one before it (" +
-                     std::to_string(knots[k - 1]) + ")");
-    }
+  if (auto valid = check_knots(knots, segments.size()); !valid) {
+    return invalid(valid.error().message);
   }
   if (segments[0].rows() == 0) return invalid("segment 0 has no joints");
   for (std::size_t k = 0; k < segments.size(); ++k) {
@@ -64,10 +52,7 @@ Result<PiecewiseCubic> PiecewiseCubic::make(std::vector<double> knots,
   return PiecewiseCubic(std::move(knots), std::move(segments));
 }
 
-int PiecewiseCubic::segment_at(double t) const {
-  const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, t);
-  return static_cast<int>(after - knots_.begin()) - 1;
-}
+int PiecewiseCubic::segment_at(double t) const { return motion::segment_at(knots_, t); }
 
 void PiecewiseCubic::position(double t, Eigen::Ref<Eigen::VectorXd> q) const {
   const double clamped = std::clamp(t, 0.0, duration());
@@ -77,31 +62,34 @@ void PiecewiseCubic::position(double t, Eigen::Ref<Eigen::VectorXd> q) const {
   q = c.col(0) + s * (c.col(1) + s * (c.col(2) + s * c.col(3)));
 }
 
+JointState PiecewiseCubic::on_segment(int k, double t) const {
+  const Coefficients& c = segments_[static_cast<std::size_t>(k)];
+  const double s = t - knots_[static_cast<std::size_t>(k)];
+  return {c.col(0) + s * (c.col(1) + s * (c.col(2) + s * c.col(3))),
+          c.col(1) + s * (2 * c.col(2) + 3 * s * c.col(3)), 2 * c.col(2) + 6 * s * c.col(3),
+          6 * c.col(3)};
+}
+
 JointState PiecewiseCubic::at(double t) const {
   const double clamped = std::clamp(t, 0.0, duration());
-  const auto k = static_cast<std::size_t>(segment_at(clamped));
-  const Coefficients& c = segments_[k];
-  const double s = clamped - knots_[k];
-  JointState state;
-  state.q = c.col(0) + s * (c.col(1) + s * (c.col(2) + s * c.col(3)));
-  if (t < 0 || t > duration()) {
-    state.qd = state.qdd = state.qddd = Eigen::VectorXd::Zero(dof());
-    return state;
-  }
-  state.qd = c.col(1) + s * (2 * c.col(2) + 3 * s * c.col(3));
-  state.qdd = 2 * c.col(2) + 6 * s * c.col(3);
-  state.qddd = 6 * c.col(3);
+  JointState state = on_segment(segment_at(clamped), clamped);
+  if (t < 0 || t > duration()) state.qd = state.qdd = state.qddd = Eigen::VectorXd::Zero(dof());
   return state;
 }
 
 void PiecewiseCubic::deviation(double t0, double t1, Eigen::Ref<Eigen::VectorXd> D) const {
-  const double middle = std::clamp(0.5 * (t0 + t1), 0.0, duration());
+  deviation_from(0.5 * (t0 + t1), t0, t1, D);
+}
+
+void PiecewiseCubic::deviation_from(double m, double t0, double t1,
+                                    Eigen::Ref<Eigen::VectorXd> D) const {
+  const double middle = std::clamp(m, 0.0, duration());
   const double from = std::clamp(t0, 0.0, duration()), to = std::clamp(t1, 0.0, duration());
   const auto first = static_cast<std::size_t>(segment_at(from));
   const auto last = static_cast<std::size_t>(segment_at(to));
-  const auto m = static_cast<std::size_t>(segment_at(middle));
+  const auto at_middle = static_cast<std::size_t>(segment_at(middle));
   for (Eigen::Index j = 0; j < dof(); ++j) {
-    const double q_m = value(segments_[m], j, middle - knots_[m]);
+    const double q_m = value(segments_[at_middle], j, middle - knots_[at_middle]);
     double most = 0;
     for (std::size_t k = first; k <= last; ++k) {
       const Coefficients& c = segments_[k];
@@ -162,46 +150,6 @@ Eigen::Vector3d PiecewiseCubic::largest_jumps() const {
                                            (2 * next.col(2) - qdd).cwiseAbs().maxCoeff()));
   }
   return jumps;
-}
-
-CellMotion::CellMotion(std::vector<PiecewiseCubic> arms) : arms_(std::move(arms)) {
-  expects(!arms_.empty(), "a cell motion needs an arm");
-  for (const PiecewiseCubic& arm : arms_) {
-    dof_ += arm.dof();
-    duration_ = std::max(duration_, arm.duration());
-  }
-}
-
-void CellMotion::position(double t, Eigen::Ref<Eigen::VectorXd> q) const {
-  Eigen::Index first = 0;
-  for (const PiecewiseCubic& arm : arms_) {
-    arm.position(t, q.segment(first, arm.dof()));
-    first += arm.dof();
-  }
-}
-
-JointState CellMotion::at(double t) const {
-  JointState state;
-  for (Eigen::VectorXd* v : {&state.q, &state.qd, &state.qdd, &state.qddd}) v->resize(dof_);
-  Eigen::Index first = 0;
-  for (const PiecewiseCubic& arm : arms_) {
-    const JointState part = arm.at(t);
-    const Eigen::Index n = arm.dof();
-    state.q.segment(first, n) = part.q;
-    state.qd.segment(first, n) = part.qd;
-    state.qdd.segment(first, n) = part.qdd;
-    state.qddd.segment(first, n) = part.qddd;
-    first += n;
-  }
-  return state;
-}
-
-void CellMotion::deviation(double t0, double t1, Eigen::Ref<Eigen::VectorXd> D) const {
-  Eigen::Index first = 0;
-  for (const PiecewiseCubic& arm : arms_) {
-    arm.deviation(t0, t1, D.segment(first, arm.dof()));
-    first += arm.dof();
-  }
 }
 
 }  // namespace tandem::motion

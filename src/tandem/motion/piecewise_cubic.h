@@ -32,10 +32,14 @@ class PiecewiseCubic final : public Motion {
   void position(double t, Eigen::Ref<Eigen::VectorXd> q) const override;
   JointState at(double t) const override;
   void deviation(double t0, double t1, Eigen::Ref<Eigen::VectorXd> D) const override;
+  /// D_j = max |q_j(t) - q_j(m)| over t in [t0, t1], for any m; all clamped into [0, duration()].
+  void deviation_from(double m, double t0, double t1, Eigen::Ref<Eigen::VectorXd> D) const;
 
   const std::vector<double>& knots() const { return knots_; }
   const std::vector<Coefficients>& segments() const { return segments_; }
   int segment_at(double t) const;  ///< Index of the segment that holds t, clamped.
+  /// Everything on segment k at `t`, also where another segment holds t.
+  JointState on_segment(int k, double t) const;
 
   /// Joints [first, first + count) as a motion of their own.
   PiecewiseCubic joints(int first, int count) const;
@@ -52,23 +56,6 @@ class PiecewiseCubic final : public Motion {
       : knots_(std::move(knots)), segments_(std::move(segments)) {}
   std::vector<double> knots_;
   std::vector<Coefficients> segments_;
-};
-
-/// Motions of several arms side by side, each on knots of its own; shorter ones wait at their end.
-class CellMotion final : public Motion {
- public:
-  explicit CellMotion(std::vector<PiecewiseCubic> arms);
-  int dof() const override { return dof_; }
-  double duration() const override { return duration_; }
-  void position(double t, Eigen::Ref<Eigen::VectorXd> q) const override;
-  JointState at(double t) const override;
-  void deviation(double t0, double t1, Eigen::Ref<Eigen::VectorXd> D) const override;
-  const std::vector<PiecewiseCubic>& arms() const { return arms_; }
-
- private:
-  std::vector<PiecewiseCubic> arms_;
-  int dof_ = 0;
-  double duration_ = 0;
 };
 
 }  // namespace tandem::motion

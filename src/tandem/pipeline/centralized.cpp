@@ -16,12 +16,12 @@ constexpr double kSamePlace = 1e-9;  // [rad] start and goal this near are one c
 /// Start and goal alike: nothing to plan, but a motion must last. Two control ticks at rest.
 motion::CellMotion standing_still(const world::Workcell& cell, const Eigen::VectorXd& q) {
   constexpr double kDuration = 2e-3;  // [s]
-  std::vector<motion::PiecewiseCubic> arms;
+  std::vector<motion::ArmMotion> arms;
   for (const world::Arm& arm : cell.arms()) {
     motion::PiecewiseCubic::Coefficients at_rest =
         motion::PiecewiseCubic::Coefficients::Zero(arm.dof(), 4);
     at_rest.col(0) = q.segment(arm.offset, arm.dof());
-    arms.push_back(*motion::PiecewiseCubic::make({0.0, kDuration}, {at_rest}));
+    arms.emplace_back(*motion::PiecewiseCubic::make({0.0, kDuration}, {at_rest}));
   }
   return motion::CellMotion(std::move(arms));
 }

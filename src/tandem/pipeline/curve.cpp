@@ -185,8 +185,10 @@ Result<motion::CellMotion> finished(const CurveContext& context, const Piecewise
                 "the executed curve: " + trajectory::describe(violations[0], cell.joint_names()));
   }
   context.report.least_clearance = least_clearance;
-  std::vector<PiecewiseCubic> arms;
-  for (const world::Arm& arm : cell.arms()) arms.push_back(spline.joints(arm.offset, arm.dof()));
+  std::vector<motion::ArmMotion> arms;
+  for (const world::Arm& arm : cell.arms()) {
+    arms.emplace_back(spline.joints(arm.offset, arm.dof()));
+  }
   return motion::CellMotion(std::move(arms));
 }
 

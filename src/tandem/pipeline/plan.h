@@ -9,8 +9,8 @@
 
 #include "tandem/core/result.h"
 #include "tandem/core/stop.h"
+#include "tandem/motion/cell_motion.h"
 #include "tandem/motion/joint_path.h"
-#include "tandem/motion/piecewise_cubic.h"
 #include "tandem/pipeline/report.h"
 #include "tandem/world/workcell.h"
 

@@ -24,31 +24,17 @@ class Timer {
   Clock::time_point begin_ = Clock::now();
 };
 
-/// What both kinds share: the checker, its scratch, single states and the books.
-class CheckerValidity : public Validity {
+class SampledValidity final : public Validity {
  public:
-  CheckerValidity(const collision::CollisionChecker& checker, world::PairSelection selection)
-      : checker_(checker), selection_(std::move(selection)), scratch_(checker.make_scratch()) {}
+  SampledValidity(std::function<bool(const Eigen::VectorXd&)> is_free, double resolution)
+      : is_free_(std::move(is_free)), resolution_(resolution) {}
 
   bool state(const Eigen::VectorXd& q) override {
     const Timer timer(stats_.seconds);
     ++stats_.states;
-    return checker_.is_free(q, selection_, *scratch_);
+    return is_free_(q);
   }
   const ValidityStats& stats() const override { return stats_; }
-
- protected:
-  const collision::CollisionChecker& checker_;
-  const world::PairSelection selection_;
-  const std::unique_ptr<collision::CollisionChecker::Scratch> scratch_;
-  ValidityStats stats_;
-};
-
-class SampledValidity final : public CheckerValidity {
- public:
-  SampledValidity(const collision::CollisionChecker& checker, world::PairSelection selection,
-                  double resolution)
-      : CheckerValidity(checker, std::move(selection)), resolution_(resolution) {}
 
   bool edge(const Eigen::VectorXd& a, const Eigen::VectorXd& b) override {
     expects(a.size() == b.size(), "both ends of an edge have the same size");
@@ -62,7 +48,7 @@ class SampledValidity final : public CheckerValidity {
       const double u = static_cast<double>(k) / static_cast<double>(n);
       const double v = static_cast<double>(n - k) / static_cast<double>(n);
       q_ = v * a + u * b;
-      return checker_.is_free(q_, selection_, *scratch_);
+      return is_free_(q_);
     };
     // Coarse to fine finds collisions early; a is tried last, for planners start from valid states.
     if (!free_at(n)) return false;
@@ -75,18 +61,28 @@ class SampledValidity final : public CheckerValidity {
   }
 
  private:
+  std::function<bool(const Eigen::VectorXd&)> is_free_;
   double resolution_;
   Eigen::VectorXd q_;
+  ValidityStats stats_;
 };
 
-class CertifiedValidity final : public CheckerValidity {
+class CertifiedValidity final : public Validity {
  public:
   CertifiedValidity(const collision::SsvChecker& checker, world::PairSelection selection,
                     const collision::CertificateOptions& options, StopCondition stop)
-      : CheckerValidity(checker, std::move(selection)),
-        ssv_checker_(checker),
+      : checker_(checker),
+        selection_(std::move(selection)),
+        scratch_(checker.make_scratch()),
         options_(options),
         stop_(std::move(stop)) {}
+
+  bool state(const Eigen::VectorXd& q) override {
+    const Timer timer(stats_.seconds);
+    ++stats_.states;
+    return checker_.is_free(q, selection_, *scratch_);
+  }
+  const ValidityStats& stats() const override { return stats_; }
 
   bool edge(const Eigen::VectorXd& a, const Eigen::VectorXd& b) override {
     expects(a.size() == b.size(), "both ends of an edge have the same size");
@@ -96,13 +92,16 @@ class CertifiedValidity final : public CheckerValidity {
     const bool forward = std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
     const motion::StraightEdge edge =
         forward ? motion::StraightEdge(a, b) : motion::StraightEdge(b, a);
-    return collision::certify(ssv_checker_, edge, selection_, *scratch_, options_, stop_).is_free();
+    return collision::certify(checker_, edge, selection_, *scratch_, options_, stop_).is_free();
   }
 
  private:
-  const collision::SsvChecker& ssv_checker_;
+  const collision::SsvChecker& checker_;
+  const world::PairSelection selection_;
+  const std::unique_ptr<collision::CollisionChecker::Scratch> scratch_;
   collision::CertificateOptions options_;
   StopCondition stop_;
+  ValidityStats stats_;
 };
 
 class BatchValidity final : public Validity {
@@ -164,10 +163,20 @@ void BatchValidity::split() {
 
 }  // namespace
 
+std::unique_ptr<Validity> make_sampled_validity(std::function<bool(const Eigen::VectorXd&)> is_free,
+                                                double resolution) {
+  expects(resolution > 0, "the resolution of edges is positive");
+  return std::make_unique<SampledValidity>(std::move(is_free), resolution);
+}
+
 std::unique_ptr<Validity> make_sampled_validity(const collision::CollisionChecker& checker,
                                                 world::PairSelection selection, double resolution) {
-  expects(resolution > 0, "the resolution of edges is positive");
-  return std::make_unique<SampledValidity>(checker, std::move(selection), resolution);
+  const std::shared_ptr scratch = checker.make_scratch();
+  return make_sampled_validity(
+      [&checker, selection = std::move(selection), scratch](const Eigen::VectorXd& q) {
+        return checker.is_free(q, selection, *scratch);
+      },
+      resolution);
 }
 
 std::unique_ptr<Validity> make_certified_validity(const collision::SsvChecker& checker,

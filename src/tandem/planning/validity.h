@@ -45,6 +45,9 @@ struct ArmQuestions {
 /// accepted edge may be rejected. The checker must outlive it.
 std::unique_ptr<Validity> make_sampled_validity(const collision::CollisionChecker& checker,
                                                 world::PairSelection selection, double resolution);
+/// The same in any space, where `is_free` answers for its points.
+std::unique_ptr<Validity> make_sampled_validity(std::function<bool(const Eigen::VectorXd&)> is_free,
+                                                double resolution);
 
 /// Accepts an edge only with the continuous-time certificate. The checker must outlive it.
 /// @param stop  rejects edges once it says so, and ends a long certificate.

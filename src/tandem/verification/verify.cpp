@@ -11,26 +11,120 @@ namespace tandem::verification {
 
 namespace {
 
+using motion::ArmMotion;
 using motion::CellMotion;
 using motion::PiecewiseCubic;
 
 /// q, qd, qdd and qddd of one joint.
 using Derivatives = Eigen::Vector4d;
 
-/// Joint j on segment k, s seconds after its knot.
-Derivatives derivatives(const PiecewiseCubic& arm, std::size_t k, Eigen::Index j, double s) {
-  const Eigen::RowVector4d c = arm.segments()[k].row(j);
-  return {((c[3] * s + c[2]) * s + c[1]) * s + c[0], (3 * c[3] * s + 2 * c[2]) * s + c[1],
-          6 * c[3] * s + 2 * c[2], 6 * c[3]};
+/// A stretch of time in which an arm stays on one segment of its spline and of c(t).
+struct Span {
+  double begin, end;
+  std::size_t c;  ///< Segment of c(t), if there is one.
+  int q;          ///< Segment of the spline; -1 before its start, their count after its end.
+};
+
+/// c(t) and its derivatives on one of its segments; real time itself if the arm has no map.
+Derivatives local_time(const ArmMotion& arm, std::size_t segment, double t) {
+  if (!arm.map()) return {t, 1, 0, 0};
+  const double s = t - arm.map()->knots()[segment];
+  const auto& c = arm.map()->segments()[segment];
+  Derivatives taylor = Derivatives::Zero();  // Horner's scheme, one row per derivative.
+  for (std::size_t i = c.size(); i-- > 0;) {
+    for (Eigen::Index n = 3; n > 0; --n) taylor[n] = taylor[n] * s + taylor[n - 1];
+    taylor[0] = taylor[0] * s + c[i];
+  }
+  return {taylor[0], taylor[1], 2 * taylor[2], 6 * taylor[3]};
+}
+
+int segment_of(const PiecewiseCubic& spline, double local) {
+  const std::vector<double>& knots = spline.knots();
+  const auto count = static_cast<int>(spline.segments().size());
+  if (local < 0) return -1;
+  if (local > knots.back()) return count;
+  int k = 0;
+  while (k + 1 < count && local >= knots[static_cast<std::size_t>(k) + 1]) ++k;
+  return k;
+}
+
+/// Joint j at `t`, by the chain rule.
+Derivatives derivatives(const ArmMotion& arm, const Span& span, Eigen::Index j, double t) {
+  const PiecewiseCubic& spline = arm.spline();
+  const auto count = static_cast<int>(spline.segments().size());
+  const Derivatives c = local_time(arm, span.c, t);
+  const bool waits = span.q < 0 || span.q == count;
+  const auto k = static_cast<std::size_t>(std::clamp(span.q, 0, count - 1));
+  const double s =
+      (waits ? std::clamp(c[0], 0.0, spline.knots().back()) : c[0]) - spline.knots()[k];
+  const Eigen::RowVector4d a = spline.segments()[k].row(j);
+  const double q = ((a[3] * s + a[2]) * s + a[1]) * s + a[0];
+  if (waits) return {q, 0, 0, 0};
+  const double q1 = (3 * a[3] * s + 2 * a[2]) * s + a[1], q2 = 6 * a[3] * s + 2 * a[2];
+  return {q, q1 * c[1], q2 * c[1] * c[1] + q1 * c[2],
+          6 * a[3] * c[1] * c[1] * c[1] + 3 * q2 * c[1] * c[2] + q1 * c[3]};
+}
+
+/// Where the spline's segment changes between two times of one segment of c(t): found to 1e-12 of
+/// a second by halving, and unseen only if it changes back in between.
+void split(const ArmMotion& arm, const Span& whole, int q_end, std::vector<Span>& spans) {
+  constexpr double kResolution = 1e-12;
+  Span& open = spans.back();
+  if (whole.q == q_end) {
+    open.end = whole.end;
+    return;
+  }
+  const double middle = 0.5 * (whole.begin + whole.end);
+  if (whole.end - whole.begin < kResolution || !(whole.begin < middle && middle < whole.end)) {
+    open.end = whole.end;
+    spans.push_back({whole.end, whole.end, whole.c, q_end});
+    return;
+  }
+  const int q_middle = segment_of(arm.spline(), local_time(arm, whole.c, middle)[0]);
+  split(arm, {whole.begin, middle, whole.c, whole.q}, q_middle, spans);
+  split(arm, {middle, whole.end, whole.c, q_middle}, q_end, spans);
+}
+
+std::vector<Span> spans_of(const ArmMotion& arm, double rate) {
+  std::vector<Span> spans;
+  if (!arm.map()) {
+    const std::vector<double>& knots = arm.spline().knots();
+    for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+      spans.push_back({knots[k], knots[k + 1], 0, static_cast<int>(k)});
+    }
+    return spans;
+  }
+  const std::vector<double>& knots = arm.map()->knots();
+  for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+    const auto q_at = [&](double t) { return segment_of(arm.spline(), local_time(arm, k, t)[0]); };
+    // What c does just after its knot decides, even where it starts on a knot of the spline.
+    double last = knots[k];
+    const double inside = last + std::min(1e-9, 1e-3 * (knots[k + 1] - last));
+    int q_last = q_at(inside);
+    spans.push_back({last, last, k, q_last});
+    const auto advance = [&](double t, int q) {
+      split(arm, {last, t, k, q_last}, q, spans);
+      last = t;
+      q_last = q;
+    };
+    for (double i = std::floor(last * rate) + 1; i / rate < knots[k + 1]; ++i) {
+      if (i / rate > inside) advance(i / rate, q_at(i / rate));
+    }
+    const double before = knots[k + 1] - (inside - knots[k]);
+    if (before > last) advance(before, q_at(before));
+    spans.back().end = knots[k + 1];
+  }
+  return spans;
 }
 
 /// Where the arm is told to be at `t`; at its end it waits.
-void place(const PiecewiseCubic& arm, double t, Eigen::Ref<Eigen::VectorXd> q) {
-  const std::vector<double>& knots = arm.knots();
+void place(const ArmMotion& arm, double t, Eigen::Ref<Eigen::VectorXd> q) {
+  const std::vector<double>& knots = arm.map() ? arm.map()->knots() : arm.spline().knots();
   const double within = std::clamp(t, 0.0, knots.back());
   std::size_t k = 0;
   while (k + 2 < knots.size() && within >= knots[k + 1]) ++k;
-  for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = derivatives(arm, k, j, within - knots[k])[0];
+  const Span here{within, within, k, segment_of(arm.spline(), local_time(arm, k, within)[0])};
+  for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = derivatives(arm, here, j, within)[0];
 }
 
 template <class... Parts>
@@ -73,14 +167,13 @@ struct Excess {
 };
 
 /// Position, velocity, acceleration and jerk of joint j of one arm, at samples and knots.
-void check_limits(const PiecewiseCubic& arm, Eigen::Index j, const JointView& joint,
-                  const VerifyOptions& options, VerifyReport& report) {
+void check_limits(const ArmMotion& arm, const std::vector<Span>& spans, Eigen::Index j,
+                  const JointView& joint, const VerifyOptions& options, VerifyReport& report) {
   const robot::JointLimits& limits = joint.limits;
   const double bounds[] = {0, limits.velocity, limits.acceleration, limits.jerk};
   Excess above, below, excess[4];
-  const auto check = [&](std::size_t k, double s) {
-    const double t = arm.knots()[k] + s;
-    const Derivatives d = derivatives(arm, k, j, s);
+  const auto check = [&](const Span& span, double t) {
+    const Derivatives d = derivatives(arm, span, j, t);
     above.add({d[0] - limits.upper, d[0], limits.upper, t}, options.limit_tolerance);
     below.add({limits.lower - d[0], d[0], limits.lower, t}, options.limit_tolerance);
     for (int i = 1; i < 4; ++i) {
@@ -90,13 +183,12 @@ void check_limits(const PiecewiseCubic& arm, Eigen::Index j, const JointView& jo
                     options.limit_tolerance * bounds[i]);
     }
   };
-  for (std::size_t k = 0; k + 1 < arm.knots().size(); ++k) {
-    const double begin = arm.knots()[k], end = arm.knots()[k + 1];
-    check(k, 0);
-    for (double i = std::floor(begin * options.rate) + 1; i / options.rate < end; ++i) {
-      check(k, i / options.rate - begin);
+  for (const Span& span : spans) {
+    check(span, span.begin);
+    for (double i = std::floor(span.begin * options.rate) + 1; i / options.rate < span.end; ++i) {
+      check(span, i / options.rate);
     }
-    check(k, end - begin);
+    check(span, span.end);
   }
   for (const Excess* position : {&above, &below}) {
     if (!position->found) continue;
@@ -113,13 +205,13 @@ void check_limits(const PiecewiseCubic& arm, Eigen::Index j, const JointView& jo
 }
 
 /// Position, velocity and acceleration of joint j on both sides of every inner knot.
-void check_jumps(const PiecewiseCubic& arm, Eigen::Index j, const JointView& joint,
-                 const VerifyOptions& options, VerifyReport& report) {
+void check_jumps(const ArmMotion& arm, const std::vector<Span>& spans, Eigen::Index j,
+                 const JointView& joint, const VerifyOptions& options, VerifyReport& report) {
   Excess jumps[3];
-  for (std::size_t k = 1; k + 1 < arm.knots().size(); ++k) {
-    const double t = arm.knots()[k];
+  for (std::size_t k = 1; k < spans.size(); ++k) {
+    const double t = spans[k].begin;
     const Derivatives jump =
-        derivatives(arm, k, j, 0) - derivatives(arm, k - 1, j, t - arm.knots()[k - 1]);
+        derivatives(arm, spans[k], j, t) - derivatives(arm, spans[k - 1], j, t);
     for (int i = 0; i < 3; ++i) {
       report.largest_jumps[i] = std::max(report.largest_jumps[i], std::abs(jump[i]));
       jumps[i].add({std::abs(jump[i]), jump[i], 0, t}, options.jump_tolerance);
@@ -134,12 +226,12 @@ void check_jumps(const PiecewiseCubic& arm, Eigen::Index j, const JointView& joi
 }
 
 /// What joint j does at one end of its arm's curve, against `wanted` and rest.
-void check_end(const PiecewiseCubic& arm, Eigen::Index j, const JointView& joint, bool at_end,
-               double wanted, const VerifyOptions& options, VerifyReport& report) {
-  const std::size_t k = at_end ? arm.segments().size() - 1 : 0;
-  const double s = at_end ? arm.knots()[k + 1] - arm.knots()[k] : 0;
-  const double t = at_end ? arm.knots().back() : 0;
-  const Derivatives d = derivatives(arm, k, j, s);
+void check_end(const ArmMotion& arm, const std::vector<Span>& spans, Eigen::Index j,
+               const JointView& joint, bool at_end, double wanted, const VerifyOptions& options,
+               VerifyReport& report) {
+  const Span& span = at_end ? spans.back() : spans.front();
+  const double t = at_end ? span.end : span.begin;
+  const Derivatives d = derivatives(arm, span, j, t);
   if (!(std::abs(d[0] - wanted) <= options.jump_tolerance)) {
     report.failures.push_back(sentence(joint.name, at_end ? " ends at " : " starts at ", d[0],
                                        joint.unit, " at ", t, " s, it should at ", wanted));
@@ -157,13 +249,14 @@ void check_curves(const world::Workcell& cell, const CellMotion& motion,
                   const VerifyOptions& options, VerifyReport& report) {
   for (std::size_t i = 0; i < cell.arms().size(); ++i) {
     const world::Arm& arm = cell.arms()[i];
-    const PiecewiseCubic& curve = motion.arms()[i];
+    const ArmMotion& curve = motion.arms()[i];
+    const std::vector<Span> spans = spans_of(curve, options.rate);
     for (Eigen::Index j = 0; j < arm.dof(); ++j) {
       const JointView joint = view(cell, arm, j);
-      check_end(curve, j, joint, false, start[arm.offset + j], options, report);
-      check_end(curve, j, joint, true, goal[arm.offset + j], options, report);
-      check_limits(curve, j, joint, options, report);
-      check_jumps(curve, j, joint, options, report);
+      check_end(curve, spans, j, joint, false, start[arm.offset + j], options, report);
+      check_end(curve, spans, j, joint, true, goal[arm.offset + j], options, report);
+      check_limits(curve, spans, j, joint, options, report);
+      check_jumps(curve, spans, j, joint, options, report);
     }
   }
 }

@@ -7,7 +7,7 @@
 
 #include "tandem/core/result.h"
 #include "tandem/core/stop.h"
-#include "tandem/motion/piecewise_cubic.h"
+#include "tandem/motion/cell_motion.h"
 #include "tandem/world/workcell.h"
 
 namespace tandem::verification {
