@@ -26,4 +26,11 @@ BatchChecker::Pairs CompiledCell::pairs(const world::PairScope& scope) const {
   return pairs;
 }
 
+const CompiledCell& CompiledCell::alone(int arm) const {
+  const std::lock_guard lock(known_->mutex);
+  auto& alone = known_->alone[arm];
+  if (!alone) alone = std::make_unique<const CompiledCell>(cell_->arm_alone(arm));
+  return *alone;
+}
+
 }  // namespace tandem::collision

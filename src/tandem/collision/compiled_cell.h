@@ -25,6 +25,8 @@ class CompiledCell {
   const world::PairSelection& selection(const world::PairScope& scope) const;
   /// For batch().
   BatchChecker::Pairs pairs(const world::PairScope& scope) const;
+  /// cell().arm_alone(arm), compiled.
+  const CompiledCell& alone(int arm) const;
 
  private:
   /// What was asked for so far. Nodes of maps stay where they are.
@@ -33,6 +35,7 @@ class CompiledCell {
     std::unique_ptr<const BatchChecker> batch;
     std::map<world::PairScope, world::PairSelection> selections;
     std::map<world::PairScope, BatchChecker::Pairs> pairs;
+    std::map<int, std::unique_ptr<const CompiledCell>> alone;
   };
 
   std::shared_ptr<const world::Workcell> cell_;

@@ -26,37 +26,50 @@ motion::CellMotion standing_still(const world::Workcell& cell, const Eigen::Vect
   return motion::CellMotion(std::move(arms));
 }
 
-}  // namespace
-
-Result<Plan> plan_centralized(const collision::CompiledCell& compiled, const ResolvedQuery& ends,
-                              const PlanOptions& options, const StopCondition& stop,
-                              PlanReport& report) {
-  const world::Workcell& cell = compiled.cell();
-  const Modules modules = make_modules(options.preset, compiled, stop);
-  const auto finished = [&](motion::CellMotion motion) {
-    return Plan{ends.name, options.strategy,  options.preset, options.seed, options.plpp,
-                ends,      std::move(motion), report};
-  };
-  if ((ends.goal - ends.start).cwiseAbs().maxCoeff() < kSamePlace) {
-    report.arms.resize(cell.arms().size());
-    return finished(standing_still(cell, ends.start));
-  }
-  auto found = find_path(compiled, modules, ends, options, stop, report);
-  if (!found) return std::unexpected(found.error());
-  JointPath path = std::move(found->path);
+/// From the simplified path on.
+Result<PlannedMotion> make_motion(const collision::CompiledCell& compiled, const Modules& modules,
+                                  const ResolvedQuery& ends, const PathPlan& found,
+                                  const PlanOptions& options, const StopCondition& stop,
+                                  PlanReport& report) {
+  JointPath path = found.path;
   if (options.plpp) {
     path = shorten_path({compiled, modules, options, stop, report}, ends, path);
     account(modules, report);
   } else {
-    report.arms = arm_lengths(cell, found->planned, path);
+    report.arms = arm_lengths(compiled.cell(), found.planned, path);
   }
-
   const auto scratch = compiled.exact().make_scratch();
   const CurveContext context{compiled, *scratch, *modules.timing, stop, report};
   auto curve = make_curve(context, path, modules.repair);
   account(modules, report);
   if (!curve) return std::unexpected(curve.error());
-  return finished(std::move(*curve));
+  return PlannedMotion{std::move(path), std::move(*curve)};
+}
+
+}  // namespace
+
+Result<PlannedMotion> plan_motion(const collision::CompiledCell& compiled,
+                                  const ResolvedQuery& ends, const PlanOptions& options,
+                                  const StopCondition& stop, PlanReport& report) {
+  const world::Workcell& cell = compiled.cell();
+  if ((ends.goal - ends.start).cwiseAbs().maxCoeff() < kSamePlace) {
+    report.arms.resize(cell.arms().size());
+    return PlannedMotion{{ends.start, ends.goal}, standing_still(cell, ends.start)};
+  }
+  const Modules modules = make_modules(options.preset, compiled, stop);
+  const auto found = find_path(compiled, modules, ends, options, stop, report);
+  if (!found) return std::unexpected(found.error());
+  return make_motion(compiled, modules, ends, *found, options, stop, report);
+}
+
+Result<PlannedMotion> finish_path(const collision::CompiledCell& compiled,
+                                  const ResolvedQuery& ends, JointPath path,
+                                  const PlanOptions& options, const StopCondition& stop,
+                                  PlanReport& report) {
+  const Modules modules = make_modules(options.preset, compiled, stop);
+  const PathPlan found =
+      simplified(compiled, modules, ends, std::move(path), options, stop, report);
+  return make_motion(compiled, modules, ends, found, options, stop, report);
 }
 
 }  // namespace tandem::pipeline

@@ -35,31 +35,37 @@ void account(const Modules& modules, PlanReport& report) {
   report.times.distance = stats.seconds + report.times.certificate;
 }
 
-Result<PathPlan> find_path(const collision::CompiledCell& compiled, const Modules& modules,
-                           const ResolvedQuery& ends, const PlanOptions& options,
-                           const StopCondition& stop, PlanReport& report) {
+PathPlan simplified(const collision::CompiledCell& compiled, const Modules& modules,
+                    const ResolvedQuery& ends, JointPath planned, const PlanOptions& options,
+                    const StopCondition& stop, PlanReport& report) {
   const world::Workcell& cell = compiled.cell();
   const planning::PathProblem problem{ends.start, ends.goal, cell.lower(), cell.upper()};
-  const auto keep = [&](const char* name, const JointPath& path) {
-    if (options.keep_phases) report.phases.push_back({name, path});
-  };
-  Result<JointPath> planned = [&] {
-    ModuleTimer timer(report.times.path_planning);
-    return modules.planner->plan(problem, *modules.validity, options.seed, stop);
-  }();
-  account(modules, report);
-  if (!planned) return std::unexpected(planned.error());
-  keep("planned", *planned);
-
-  PathPlan found{std::move(*planned), {}};
+  PathPlan found{std::move(planned), {}};
   {
     ModuleTimer timer(report.times.simplification);
     found.path =
         modules.simplifier->simplify(problem, found.planned, *modules.validity, options.seed, stop);
   }
   account(modules, report);
-  keep("simplified", found.path);
+  if (options.keep_phases) {
+    report.phases.push_back({"planned", found.planned});
+    report.phases.push_back({"simplified", found.path});
+  }
   return found;
+}
+
+Result<PathPlan> find_path(const collision::CompiledCell& compiled, const Modules& modules,
+                           const ResolvedQuery& ends, const PlanOptions& options,
+                           const StopCondition& stop, PlanReport& report) {
+  const world::Workcell& cell = compiled.cell();
+  const planning::PathProblem problem{ends.start, ends.goal, cell.lower(), cell.upper()};
+  Result<JointPath> planned = [&] {
+    ModuleTimer timer(report.times.path_planning);
+    return modules.planner->plan(problem, *modules.validity, options.seed, stop);
+  }();
+  account(modules, report);
+  if (!planned) return std::unexpected(planned.error());
+  return simplified(compiled, modules, ends, std::move(*planned), options, stop, report);
 }
 
 Result<PathPlan> find_path(const collision::CompiledCell& compiled, const ResolvedQuery& ends,

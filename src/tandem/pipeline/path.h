@@ -11,7 +11,12 @@ Result<PathPlan> find_path(const collision::CompiledCell& compiled, const Module
                            const ResolvedQuery& ends, const PlanOptions& options,
                            const StopCondition& stop, PlanReport& report);
 
-/// The same for all arms; an infeasible end is explained by check_ends.
+/// The second half of it: `planned` and what the simplifier makes of it.
+PathPlan simplified(const collision::CompiledCell& compiled, const Modules& modules,
+                    const ResolvedQuery& ends, motion::JointPath planned,
+                    const PlanOptions& options, const StopCondition& stop, PlanReport& report);
+
+/// find_path for all arms; an infeasible end is explained by check_ends.
 Result<PathPlan> find_path(const collision::CompiledCell& compiled, const ResolvedQuery& ends,
                            const PlanOptions& options, PlanReport& report);
 

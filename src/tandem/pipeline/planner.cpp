@@ -100,16 +100,17 @@ Result<Plan> Planner::plan(const ResolvedQuery& ends, const PlanOptions& options
   filled = {};
   const StopCondition stop = StopCondition::after(options.deadline, options.token);
 
-  auto planned = [&]() -> Result<Plan> {
+  auto planned = [&]() -> Result<PlannedMotion> {
     ModuleTimer timer(filled.times.total);
     const auto in = compiled(query.cell);
     if (auto feasible = pipeline::check_ends(*in, query); !feasible) {
       return std::unexpected(feasible.error());
     }
-    return plan_centralized(*in, query, options, stop, filled);
+    return plan_motion(*in, query, options, stop, filled);
   }();
-  if (planned) planned->report = filled;
-  return planned;
+  if (!planned) return std::unexpected(planned.error());
+  return Plan{query.name, options.strategy,          options.preset, options.seed, options.plpp,
+              query,      std::move(planned->curve), filled};
 }
 
 Result<Plan> Planner::plan(const world::Query& query, const PlanOptions& options,

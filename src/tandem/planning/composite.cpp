@@ -1,11 +1,11 @@
 #include "tandem/planning/composite.h"
 
 #include <algorithm>
-#include <numeric>
 #include <optional>
 
 #include "tandem/core/contract.h"
 #include "tandem/core/rng.h"
+#include "tandem/planning/measured_path.h"
 #include "tandem/planning/simplifier.h"
 
 namespace tandem::planning {
@@ -37,34 +37,6 @@ class ArmValidity final : public Validity {
   VectorXd from_, to_;
 };
 
-/// A path by the fraction s of its length, in [0, 1].
-class MeasuredPath {
- public:
-  explicit MeasuredPath(JointPath path) : path_(std::move(path)), at_(path_.size(), 0.0) {
-    for (std::size_t i = 1; i < path_.size(); ++i) {
-      at_[i] = at_[i - 1] + (path_[i] - path_[i - 1]).norm();
-    }
-    const double length = at_.back();
-    for (double& s : at_) s = length > 0 ? s / length : 0;
-  }
-
-  /// Fractions at which the waypoints are.
-  const std::vector<double>& waypoints() const { return at_; }
-  VectorXd position(double s) const {
-    if (s <= 0) return path_.front();
-    if (s >= 1) return path_.back();
-    const auto next = std::ranges::upper_bound(at_, s);
-    if (next == at_.end()) return path_.back();
-    const auto i = static_cast<std::size_t>(next - at_.begin());
-    const double u = (s - at_[i - 1]) / (at_[i] - at_[i - 1]);
-    return path_[i - 1] + u * (path_[i] - path_[i - 1]);
-  }
-
- private:
-  JointPath path_;
-  std::vector<double> at_;
-};
-
 /// The paths of all arms, and motions along them: places are one fraction per arm.
 class Coordination final : public Validity {
  public:
@@ -86,12 +58,7 @@ class Coordination final : public Validity {
   void append(const VectorXd& a, const VectorXd& b, JointPath& path) const {
     std::vector<double> parts{1.0};
     for (std::size_t i = 0; i < paths_.size(); ++i) {
-      const double from = a[static_cast<Index>(i)], to = b[static_cast<Index>(i)];
-      if (from == to) continue;
-      for (double s : paths_[i].waypoints()) {
-        const double part = (s - from) / (to - from);
-        if (part > 0 && part < 1) parts.push_back(part);
-      }
+      paths_[i].append_waypoints(a[static_cast<Index>(i)], b[static_cast<Index>(i)], parts);
     }
     std::ranges::sort(parts);
     for (double part : parts) path.push_back(configuration(a + part * (b - a)));
@@ -116,23 +83,6 @@ class Coordination final : public Validity {
   std::vector<MeasuredPath> paths_;
   Index dof_;
 };
-
-/// Orders in which arms may go one after the other: all of up to three, else its rotations.
-std::vector<std::vector<Index>> orders(Index arms) {
-  std::vector<Index> order(static_cast<std::size_t>(arms));
-  std::iota(order.begin(), order.end(), 0);
-  std::vector<std::vector<Index>> all;
-  if (arms <= 3) {
-    do all.push_back(order);
-    while (std::ranges::next_permutation(order).found);
-    return all;
-  }
-  for (Index k = 0; k < arms; ++k) {
-    all.push_back(order);
-    std::ranges::rotate(order, order.begin() + 1);
-  }
-  return all;
-}
 
 class CompositePlanner final : public PathPlanner {
  public:
@@ -204,7 +154,7 @@ class CompositePlanner final : public PathPlanner {
     const Index arms = coordination.arms();
     const VectorXd zero = VectorXd::Zero(arms), one = VectorXd::Ones(arms);
     if (coordination.edge(zero, one)) return JointPath{zero, one};
-    for (const std::vector<Index>& order : orders(arms)) {
+    for (const std::vector<int>& order : orders(static_cast<int>(arms))) {
       JointPath way{zero};
       bool valid = true;
       for (std::size_t k = 0; k < order.size() && valid; ++k) {

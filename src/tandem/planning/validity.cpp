@@ -189,7 +189,13 @@ std::unique_ptr<Validity> make_certified_validity(const collision::SsvChecker& c
 std::unique_ptr<Validity> make_batch_validity(const collision::BatchChecker& checker,
                                               const world::PairSelection& selection,
                                               const StopCondition& stop) {
-  return std::make_unique<BatchValidity>(checker, checker.compile(selection), stop,
+  return make_batch_validity(checker, checker.compile(selection), stop);
+}
+
+std::unique_ptr<Validity> make_batch_validity(const collision::BatchChecker& checker,
+                                              collision::BatchChecker::Pairs pairs,
+                                              const StopCondition& stop) {
+  return std::make_unique<BatchValidity>(checker, std::move(pairs), stop,
                                          std::make_shared<ValidityStats>());
 }
 

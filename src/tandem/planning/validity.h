@@ -61,6 +61,10 @@ std::unique_ptr<Validity> make_batch_validity(const collision::BatchChecker& che
                                               const world::PairSelection& selection,
                                               const StopCondition& stop = {});
 
+std::unique_ptr<Validity> make_batch_validity(const collision::BatchChecker& checker,
+                                              collision::BatchChecker::Pairs pairs,
+                                              const StopCondition& stop = {});
+
 /// The same for all pairs of the cell, with questions by arm. The cell must outlive it.
 std::unique_ptr<Validity> make_batch_validity_by_arm(const collision::CompiledCell& cell,
                                                      const StopCondition& stop = {});

@@ -206,6 +206,9 @@ class Workcell {
   /// The cell of the same file with its objects where `scene` has them. Bodies keep their indices.
   /// @return kInvalidInput or kNotFound naming the object, link or body that is not as it should.
   Result<std::shared_ptr<const Workcell>> in_scene(SceneState scene) const;
+  /// The cell of arm i alone: q has its joints, pairs() are select(PairScope::arm(i)) of this cell.
+  /// Bodies keep their indices, moved_by the bits of the left_out() after its own. No queries.
+  std::shared_ptr<const Workcell> arm_alone(int i) const;
   /// The scene after `changes` to this one, made with the arms at q.
   /// @return kNotFound for names, with the nearest; kInvalidInput for an object that is carried
   /// already, or that nothing carries, and for a link that no arm moves.
@@ -219,7 +222,8 @@ class Workcell {
   const robot::Model& model() const { return model_; }
 
   const std::vector<Arm>& arms() const { return arms_; }
-  int find_arm(std::string_view name) const;  ///< -1 if there is none.
+  int find_arm(std::string_view name) const;                      ///< -1 if there is none.
+  const std::vector<Arm>& left_out() const { return left_out_; }  ///< See arm_alone.
   int dof() const { return dof_; }
   const Eigen::VectorXd& lower() const { return lower_; }
   const Eigen::VectorXd& upper() const { return upper_; }
@@ -271,6 +275,7 @@ class Workcell {
   WorkcellSpec spec_;
   robot::Model model_;
   std::vector<Arm> arms_;
+  std::vector<Arm> left_out_;  ///< Arms of the cell that this is a part of.
   int dof_ = 0;
   Eigen::VectorXd lower_, upper_;
   std::vector<robot::JointLimits> limits_;

@@ -215,6 +215,8 @@ void WorkcellBuilder::make_pairs() {
         cell_->skipped_pairs_.push_back({a, b, reason});
       } else if (const auto skipped = skipped_.find({a, b}); skipped != skipped_.end()) {
         cell_->skipped_pairs_.push_back({a, b, skipped->second});
+      } else if (moved_by >= ArmMask{1} << cell_->arms_.size()) {
+        cell_->skipped_pairs_.push_back({a, b, "an arm that is left out moves them"});
       } else {
         cell_->pairs_.push_back({a, b, moved_by});
       }

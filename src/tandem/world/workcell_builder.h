@@ -20,6 +20,7 @@ class WorkcellBuilder {
 
   Result<std::shared_ptr<const Workcell>> build();
   Result<std::shared_ptr<const Workcell>> build_in(SceneState scene);
+  std::shared_ptr<const Workcell> build_alone(int arm);
 
  private:
   // workcell_builder.cpp
@@ -62,6 +63,10 @@ class WorkcellBuilder {
   void place_object(const std::string& name, const ObjectState& home,
                     const std::vector<geometry::Shape>& shapes,
                     const std::vector<geometry::PlacedSurface>& surfaces);
+
+  // workcell_alone.cpp
+  void own_joints();
+  void keep_joints(int offset, int dof);
 
   int owner(int joint) const;  ///< Arm that moves the joint, itself or by mimicry; -1 if none.
 

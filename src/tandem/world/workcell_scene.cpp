@@ -38,9 +38,10 @@ Result<ObjectState> object_in(const Workcell& cell, const SceneState& scene,
 /// Whether an arm moves the link.
 bool is_moved(const Workcell& cell, int link) {
   const std::vector<int>& above = cell.model().moving_ancestors(link);
-  return std::ranges::any_of(cell.arms(), [&](const Arm& arm) {
+  const auto moves = [&](const Arm& arm) {
     return std::ranges::find_first_of(above, arm.joints) != above.end();
-  });
+  };
+  return std::ranges::any_of(cell.arms(), moves) || std::ranges::any_of(cell.left_out(), moves);
 }
 
 Result<int> find_carrier(const Workcell& cell, const std::string& object, const std::string& link,
@@ -132,6 +133,7 @@ Result<ObjectState> Workcell::find_object(const std::string& name) const {
 
 Result<SceneState> Workcell::scene_after(const SceneChanges& changes,
                                          const Eigen::Ref<const Eigen::VectorXd>& q) const {
+  expects(left_out_.empty(), "objects change hands in the whole cell, where all arms are known");
   Eigen::VectorXd positions;
   robot::LinkPoses X_WL;
   forward_kinematics(q, positions, X_WL);
@@ -161,13 +163,8 @@ Result<std::shared_ptr<const Workcell>> after_changes(const std::shared_ptr<cons
   return cell->in_scene(std::move(*scene));
 }
 
-WorkcellBuilder::WorkcellBuilder(const Workcell& cell)
-    : cell_(new Workcell(cell)), owner_(cell.model_.joints().size(), -1) {
-  for (std::size_t i = 0; i < cell.arms_.size(); ++i) {
-    for (const int joint : cell.arms_[i].joints) {
-      owner_[static_cast<std::size_t>(joint)] = static_cast<int>(i);
-    }
-  }
+WorkcellBuilder::WorkcellBuilder(const Workcell& cell) : cell_(new Workcell(cell)) {
+  own_joints();
   for (std::size_t i = 0; i < cell.bodies_.size(); ++i) {
     body_index_.emplace(cell.bodies_[i].name, static_cast<int>(i));
   }
