@@ -38,6 +38,35 @@ class BlockChecker {
     return Dot(r, r);
   }
 
+  /// Calls f(item) with indices of items until it returns true; not with those of standing bodies
+  /// in boxes that are far from a group in all lanes.
+  /// @param is_far  of a group, its radius, and the squared distance of its centre from the box.
+  /// @return whether f has.
+  template <class IsFar, class F>
+  HWY_INLINE bool AnyItem(IsFar&& is_far, F&& f) {
+    for (const BatchGroupItems& of_group : pairs_.standing_groups) {
+      if (of_group.nodes.empty()) {
+        if (AnyOf(of_group.first, of_group.count, f)) return true;
+        continue;
+      }
+      const V3 center = placement_.GroupCenter(of_group.group);
+      const float radius = model_.groups[static_cast<std::size_t>(of_group.group)].radius;
+      const auto count = static_cast<int>(of_group.nodes.size());
+      for (int n = 0; n < count;) {
+        const BatchNode& node = of_group.nodes[static_cast<std::size_t>(n)];
+        const V squared = PointBox(center - Fill(node.center), Fill(node.half));
+        if (is_far(of_group.group, radius, squared)) {
+          n = node.skip;
+          continue;
+        }
+        if (AnyOf(node.first, node.count, f)) return true;
+        ++n;
+      }
+    }
+    const auto standing = static_cast<int>(pairs_.standing_items);
+    return AnyOf(standing, static_cast<int>(pairs_.items.size()) - standing, f);
+  }
+
   /// Whether an item touches in any lane.
   bool Touches(const BatchItem& item) {
     return hn::AllTrue(kFloats, hn::Gt(ItemGap(item), Fill(item.reach * item.reach)))
@@ -55,6 +84,14 @@ class BlockChecker {
   }
 
  private:
+  template <class F>
+  HWY_INLINE static bool AnyOf(int first, int count, F& f) {
+    for (int i = first; i < first + count; ++i) {
+      if (f(i)) return true;
+    }
+    return false;
+  }
+
   const BatchBody& BodyAt(int body) const { return model_.bodies[static_cast<std::size_t>(body)]; }
 
   /// Whether squared distances are all beyond a sum of radii.
@@ -144,19 +181,18 @@ class BlockChecker {
 bool IsPlacedBlockFree(const BatchPairs& pairs, BatchChecker::Scratch& work) {
   BlockChecker checker(pairs, work);
   checker.placement().Place(pairs);
-  const auto hit = [&](std::size_t item) HWY_ATTR {
-    if (!checker.Touches(pairs.items[item])) return false;
-    work.last_hit = static_cast<int>(item);
+  const auto hit = [&](int item) HWY_ATTR {
+    if (!checker.Touches(pairs.items[static_cast<std::size_t>(item)])) return false;
+    work.last_hit = item;
     return true;
   };
-  if (const auto last = static_cast<std::size_t>(work.last_hit);
-      last < pairs.items.size() && hit(last)) {
+  if (0 <= work.last_hit && work.last_hit < static_cast<int>(pairs.items.size()) &&
+      hit(work.last_hit)) {
     return false;
   }
-  for (std::size_t i = 0; i < pairs.items.size(); ++i) {
-    if (hit(i)) return false;
-  }
-  return true;
+  const auto is_far = [](int, float radius, V squared)
+                          HWY_ATTR { return All(hn::Gt(squared, Fill(radius * radius))); };
+  return !checker.AnyItem(is_far, hit);
 }
 
 /// Fills Scratch::values from the columns of Scratch::Q.

@@ -51,6 +51,9 @@ BatchChecker::Scratch::Scratch(const BatchChecker& checker)
   deviation.resize(joints);
   turn.resize(joints);
   travel.resize(joints * index(model.depth));
+  box_deviation.resize(joints);
+  box_turn.resize(joints);
+  box_travel.resize(joints * index(model.depth));
   edge_a.resize(model.dof);
   edge_b.resize(model.dof);
   q_.resize(model.dof);
@@ -70,21 +73,28 @@ bool BatchChecker::Scratch::touches_exactly(int pair, int lane) {
 
 void BatchChecker::ScratchDeleter::operator()(Scratch* scratch) const { delete scratch; }
 
+namespace {
+
+/// Leaves of the exact model by shape of the batch model, -1 for surfaces. Both keep the shapes of
+/// a body together, in its order; in the batch model its surfaces follow.
+std::vector<int> leaves_of(const SsvModel& exact, const BatchModel& model) {
+  std::vector<int> leaves(model.shapes.size(), -1);
+  for (std::size_t b = 0; b < exact.bodies.size(); ++b) {
+    const SsvBody& body = exact.bodies[b];
+    const int first = model.bodies[b].first_shape - body.first_shape;
+    for (int n = body.root; n < exact.node_end(body.root); ++n) {
+      const SsvNode& node = exact.node(n);
+      if (node.is_leaf() && node.is_shape()) leaves[index(first + node.piece)] = n;
+    }
+  }
+  return leaves;
+}
+
+}  // namespace
+
 BatchChecker::BatchChecker(const SsvChecker& exact)
     : exact_(exact), model_(std::make_unique<const BatchModel>(exact.cell())) {
-  // Both models keep the shapes of a body together, in its order; its surfaces follow here.
-  const SsvModel& exact_model = exact.model();
-  leaves_.assign(model_->shapes.size(), -1);
-  for (int n = 0; n < static_cast<int>(exact_model.nodes.size()); ++n) {
-    const SsvNode& node = exact_model.node(n);
-    if (!node.is_leaf() || !node.is_shape()) continue;
-    const auto body = std::ranges::find_if(exact_model.bodies, [&](const SsvBody& b) {
-      return b.first_shape <= node.piece && node.piece < b.first_shape + b.shape_count;
-    });
-    const BatchBody& compiled =
-        model_->bodies[static_cast<std::size_t>(body - exact_model.bodies.begin())];
-    leaves_[index(compiled.first_shape + node.piece - body->first_shape)] = n;
-  }
+  leaves_ = leaves_of(exact.model(), *model_);
 }
 
 BatchChecker::~BatchChecker() = default;

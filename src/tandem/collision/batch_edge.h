@@ -74,31 +74,35 @@ class EdgeProver {
       work_.s[lane] = (2 * lane + 1 - kLanes) * work_.half_length;
     }
     Place();
-    if (const auto last = static_cast<std::size_t>(work_.last_hit);
-        last < pairs_.items.size() && checker_.Touches(pairs_.items[last])) {
-      return false;
-    }
+    const auto last = static_cast<std::size_t>(work_.last_hit);
+    if (last < pairs_.items.size() && checker_.Touches(pairs_.items[last])) return false;
     work_.pending.clear();
     const auto half_length = static_cast<float>(work_.half_length);
-    for (std::size_t i = 0; i < pairs_.items.size(); ++i) {
-      const BatchItem& item = pairs_.items[i];
+    const auto is_far = [&](int group, float radius, V squared) HWY_ATTR {
+      return IsFarApart(squared, radius + half_length * travels_.GroupTravel(group, 0));
+    };
+    const auto hits = [&](int i) HWY_ATTR {
+      const BatchItem& item = pairs_.items[static_cast<std::size_t>(i)];
       const V squared = checker_.ItemGap(item);
-      const float inflated = item.reach + half_length * travels_.OfItem(item);
-      if (All(hn::Gt(squared, Fill(inflated * inflated)))) {
-        if (want_clearance_) Note(hn::Sub(hn::Sqrt(squared), Fill(inflated)));
-        continue;
-      }
-      work_.pending.push_back(static_cast<int>(i));
-      if (All(hn::Gt(squared, Fill(item.reach * item.reach)))) continue;
-      if (!checker_.Descend(item)) continue;
-      work_.last_hit = static_cast<int>(i);
-      return false;
-    }
+      if (IsFarApart(squared, item.reach + half_length * travels_.OfItem(item))) return false;
+      work_.pending.push_back(i);
+      const bool apart = All(hn::Gt(squared, Fill(item.reach * item.reach)));
+      if (apart || !checker_.Descend(item)) return false;
+      work_.last_hit = i;
+      return true;
+    };
+    if (checker_.AnyItem(is_far, hits)) return false;
     work_.next_pending.clear();
     work_.next_parts.clear();
     if (!ExaminePending(kLanes)) return false;
     std::swap(work_.parts, work_.next_parts);
     std::swap(work_.pending, work_.next_pending);
+    return true;
+  }
+
+  HWY_INLINE bool IsFarApart(V squared, float inflated) {
+    if (!All(hn::Gt(squared, Fill(inflated * inflated)))) return false;
+    if (want_clearance_) least_ = hn::Min(least_, hn::Sub(hn::Sqrt(squared), Fill(inflated)));
     return true;
   }
 
@@ -170,7 +174,6 @@ class EdgeProver {
     }
     return near;
   }
-  void Note(V beyond) { least_ = hn::Min(least_, beyond); }
 
   /// Lanes in which the item is not proven apart all along its part; sets touches_.
   HWY_NOINLINE Mask Unproven(const BatchItem& item) {

@@ -10,6 +10,7 @@
 //
 #include <hwy/highway.h>
 
+#include "tandem/collision/batch_box.h"
 #include "tandem/collision/batch_edge.h"
 #include "tandem/collision/batch_near.h"
 
@@ -36,6 +37,7 @@ HWY_EXPORT(LaneCount);
 HWY_EXPORT(IsBlockFree);
 HWY_EXPORT(FindNear);
 HWY_EXPORT(ExamineEdge);
+HWY_EXPORT(ExamineBoxes);
 
 int batch_lanes() { return HWY_DYNAMIC_DISPATCH(LaneCount)(); }
 
@@ -50,6 +52,11 @@ void find_near(const BatchPairs& pairs, float within, BatchChecker::Scratch& wor
 EdgeFinding examine_edge(const BatchPairs& pairs, bool want_clearance,
                          BatchChecker::Scratch& work) {
   return HWY_DYNAMIC_DISPATCH(ExamineEdge)(pairs, want_clearance, work);
+}
+
+void examine_boxes(const BatchPairs& pairs, std::span<const int> items, bool want_clearance,
+                   BatchChecker::Scratch& work) {
+  HWY_DYNAMIC_DISPATCH(ExamineBoxes)(pairs, items, want_clearance, work);
 }
 
 }  // namespace tandem::collision

@@ -310,60 +310,101 @@ void bound_standing(const BatchModel& model, BatchBody& body) {
   body.outer += static_cast<float>(4 * kEpsilon * (low.norm() + high.norm()));
 }
 
-}  // namespace
-
-BatchModel::BatchModel(const world::Workcell& cell) : dof(cell.dof()) {
-  const std::vector<LinkFrame> frames = add_joints(cell, *this);
+/// A body before it is rounded.
+struct BoxedBody {
+  int joint;
   std::vector<Boxed> boxes;
-  for (const world::Body& body : cell.bodies()) {
-    const LinkFrame& frame = frames[static_cast<std::size_t>(body.link)];
-    const auto first = static_cast<int>(boxes.size());
-    for (const Shape& shape_L : body.shapes_L) {
-      boxes.push_back(box_around(shape_L.in(frame.X_JL).padded(body.padding), frame.joint));
-    }
-    for (geometry::PlacedSurface surface : body.surfaces_L) {
-      surface.X_FS = frame.X_JL * surface.X_FS;
-      boxes.push_back(box_around(surface, frame.joint, body.padding));
-    }
-    bodies.push_back({frame.joint, first, static_cast<int>(boxes.size()) - first, {}});
+};
+
+BoxedBody box_body(const world::Body& body, const LinkFrame& frame) {
+  BoxedBody boxed{frame.joint, {}};
+  for (const Shape& shape_L : body.shapes_L) {
+    boxed.boxes.push_back(box_around(shape_L.in(frame.X_JL).padded(body.padding), frame.joint));
   }
-  X_CW = Isometry3d::Identity();
-  X_CW.linear() = common_axes(boxes);
-  X_CW.translation() = -(X_CW.linear() * middle_of_bases(*this));
-  for (BatchJoint& joint : joints) {
-    if (joint.parent < 0) joint.X_PJ = X_CW * joint.X_PJ;
+  for (geometry::PlacedSurface surface : body.surfaces_L) {
+    surface.X_FS = frame.X_JL * surface.X_FS;
+    boxed.boxes.push_back(box_around(surface, frame.joint, body.padding));
+  }
+  return boxed;
+}
+
+float margin_of(const BatchModel& model, const std::vector<Boxed>& boxes) {
+  return static_cast<float>(kRoundings * kEpsilon * furthest_reach(model, boxes));
+}
+
+/// Sees the joints from C.
+void place_joints(BatchModel& model) {
+  for (BatchJoint& joint : model.joints) {
+    if (joint.parent < 0) joint.X_PJ = model.X_CW * joint.X_PJ;
     // Right angles written with ten digits become right angles, which cost less to turn by.
     const Matrix3d R_PJ = joint.X_PJ.linear().unaryExpr(
         [](double entry) { return std::abs(entry) < kParallel ? 0.0 : entry; });
     joint.R_PJ = matrix_to_float(R_PJ);
     joint.p_PJ = to_float(joint.X_PJ.translation());
   }
-  margin = static_cast<float>(kRoundings * kEpsilon * furthest_reach(*this, boxes));
-  for (const Boxed& box : boxes) shapes.push_back(compile_shape(box, *this));
+}
 
-  std::vector<std::vector<Ball>> balls_of_group(joints.size());
-  group_sizes.assign(joints.size(), 0);
-  for (BatchBody& body : bodies) {
-    std::vector<Ball> balls;
-    for (int s = body.first_shape; s < body.first_shape + body.shape_count; ++s) {
-      add_balls(shapes[static_cast<std::size_t>(s)], balls);
-    }
-    body.sphere = to_sphere(enclosing_ball(balls));
-    measure_spans(body);
-    body.is_spheres = std::all_of(
-        shapes.begin() + body.first_shape, shapes.begin() + body.first_shape + body.shape_count,
-        [](const BatchShape& shape) { return shape.core == BatchCore::kPoint; });
-    if (body.joint < 0) {
-      bound_standing(*this, body);
-      continue;
-    }
+std::vector<Ball> balls_of(const BatchModel& model, const BatchBody& body) {
+  std::vector<Ball> balls;
+  for (int s = body.first_shape; s < body.first_shape + body.shape_count; ++s) {
+    add_balls(model.shapes[static_cast<std::size_t>(s)], balls);
+  }
+  return balls;
+}
+
+void add_body(const BoxedBody& boxed, BatchModel& model) {
+  BatchBody body{
+      boxed.joint, static_cast<int>(model.shapes.size()), static_cast<int>(boxed.boxes.size()), {}};
+  for (const Boxed& box : boxed.boxes) model.shapes.push_back(compile_shape(box, model));
+  const auto first = model.shapes.begin() + body.first_shape;
+  // Of one shape this is the sphere around its box already.
+  body.sphere = body.shape_count == 1 && boxed.joint < 0
+                    ? to_sphere({Vector3d(first->p_JC[0], first->p_JC[1], first->p_JC[2]),
+                                 static_cast<double>(first->bound())})
+                    : to_sphere(enclosing_ball(balls_of(model, body)));
+  model.measure_spans(body);
+  body.is_spheres = std::all_of(first, model.shapes.end(), [](const BatchShape& shape) {
+    return shape.core == BatchCore::kPoint;
+  });
+  if (body.joint < 0) bound_standing(model, body);
+  model.bodies.push_back(body);
+}
+
+/// Spheres around everything at a joint.
+void bound_groups(BatchModel& model) {
+  std::vector<std::vector<Ball>> balls_of_group(model.joints.size());
+  model.groups.resize(model.joints.size());
+  model.group_sizes.assign(model.joints.size(), 0);
+  for (const BatchBody& body : model.bodies) {
+    if (body.joint < 0) continue;
+    ++model.group_sizes[static_cast<std::size_t>(body.joint)];
     auto& of_group = balls_of_group[static_cast<std::size_t>(body.joint)];
+    const std::vector<Ball> balls = balls_of(model, body);
     of_group.insert(of_group.end(), balls.begin(), balls.end());
-    ++group_sizes[static_cast<std::size_t>(body.joint)];
   }
-  for (const auto& balls : balls_of_group) {
-    groups.push_back(balls.empty() ? BatchSphere{{}, -1.0F} : to_sphere(enclosing_ball(balls)));
+  for (std::size_t g = 0; g < model.joints.size(); ++g) {
+    const std::vector<Ball>& balls = balls_of_group[g];
+    model.groups[g] = balls.empty() ? BatchSphere{{}, -1.0F} : to_sphere(enclosing_ball(balls));
   }
+}
+
+}  // namespace
+
+BatchModel::BatchModel(const world::Workcell& cell) : dof(cell.dof()) {
+  const std::vector<LinkFrame> frames = add_joints(cell, *this);
+  std::vector<BoxedBody> boxed;
+  std::vector<Boxed> boxes;
+  for (const world::Body& body : cell.bodies()) {
+    boxed.push_back(box_body(body, frames[static_cast<std::size_t>(body.link)]));
+    boxes.insert(boxes.end(), boxed.back().boxes.begin(), boxed.back().boxes.end());
+  }
+  X_CW = Isometry3d::Identity();
+  X_CW.linear() = common_axes(boxes);
+  X_CW.translation() = -(X_CW.linear() * middle_of_bases(*this));
+  place_joints(*this);
+  margin = margin_of(*this, boxes);
+  for (const BoxedBody& body : boxed) add_body(body, *this);
+  bound_groups(*this);
   bound_levers(*this);
 }
 

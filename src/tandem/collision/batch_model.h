@@ -78,7 +78,7 @@ struct BatchModel {
   float margin = 0;  ///< [m]
   Eigen::Isometry3d X_CW;
 
-  BatchModel(const world::Workcell& cell);
+  explicit BatchModel(const world::Workcell& cell);
   /// Fills the spans of a body's shapes.
   void measure_spans(const BatchBody& body);
   int common_joint(int a, int b) const;
@@ -104,11 +104,25 @@ struct BatchItem {
   Vector3f3 center{}, half{};  ///< Of the standing body's box.
 };
 
+/// A node of the tree over the items of one group with standing bodies, see BoxTree.
+struct BatchNode {
+  Vector3f3 center, half;  ///< Of the box around the rounded boxes of all bodies below.
+  int skip, first, count;  ///< Items.
+};
+
+/// The items of one group with standing bodies. Without nodes they are few.
+struct BatchGroupItems {
+  int group;
+  int first, count;
+  std::vector<BatchNode> nodes;
+};
+
 struct BatchPairs {
   const BatchModel* model;
   std::vector<int> joints;         ///< Those to place, parents first.
-  std::vector<BatchItem> items;    ///< First those with the world,
+  std::vector<BatchItem> items;    ///< First those with the world, by group,
   std::size_t standing_items = 0;  ///< so many of them.
+  std::vector<BatchGroupItems> standing_groups;
   std::vector<BatchBodyPair> body_pairs;
   std::vector<int> standing_shapes;
 };

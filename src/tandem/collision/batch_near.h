@@ -22,13 +22,13 @@ class NearFinder {
     LoadValues(pairs_, work_);
     checker_.placement().Place(pairs_);
     work_.near.clear();
-    for (const BatchItem& item : pairs_.items) {
-      if (Apart(checker_.ItemGap(item), item.reach)) continue;
-      for (int i = item.first; i < item.first + item.count; ++i) {
-        const BatchBodyPair& pair = pairs_.body_pairs[static_cast<std::size_t>(i)];
-        item.group_b < 0 ? FindStanding(item, pair) : FindMoving(pair);
-      }
-    }
+    const auto is_far = [&](int, float radius, V squared)
+                            HWY_ATTR { return Apart(squared, radius); };
+    const auto find = [&](int i) HWY_ATTR {
+      FindIn(pairs_.items[static_cast<std::size_t>(i)]);
+      return false;
+    };
+    checker_.AnyItem(is_far, find);
   }
 
  private:
@@ -39,6 +39,14 @@ class NearFinder {
     return hn::Le(squared, Fill(most * most));
   }
   HWY_INLINE bool Apart(V squared, float reach) const { return None(Near(squared, reach)); }
+
+  void FindIn(const BatchItem& item) {
+    if (Apart(checker_.ItemGap(item), item.reach)) return;
+    for (int i = item.first; i < item.first + item.count; ++i) {
+      const BatchBodyPair& pair = pairs_.body_pairs[static_cast<std::size_t>(i)];
+      item.group_b < 0 ? FindStanding(item, pair) : FindMoving(pair);
+    }
+  }
 
   void FindStanding(const BatchItem& item, const BatchBodyPair& pair) {
     const BatchBody& body = BodyAt(pair.a);

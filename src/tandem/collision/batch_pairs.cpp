@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <map>
-#include <tuple>
+#include <unordered_map>
 
 #include "tandem/collision/batch_model.h"
+#include "tandem/collision/box_tree.h"
 #include "tandem/core/contract.h"
 
 namespace tandem::collision {
@@ -23,22 +23,28 @@ class PairCompiler {
   BatchPairs finish();
 
  private:
-  struct Item {
-    BatchItem item;
-    std::vector<BatchBodyPair> body_pairs;
+  /// A pair of bodies and the item that it belongs to.
+  struct Entry {
+    int group_a, other;  ///< Joints, or the standing body.
+    BatchBodyPair pair;
   };
 
   const BatchBody& body(int b) const { return model_.bodies[static_cast<std::size_t>(b)]; }
   void add_standing(int pair, int a, int b);
   void add_moving(int pair, int a, int b);
   bool group_reaches(int group, int standing);
+  BatchItem standing_item(const Entry& entry) const;
+  BatchItem moving_item(const Entry& entry) const;
+  template <class F>
+  void add_items(std::vector<Entry>& entries, F&& item_of);
+  void grow_trees();
 
   const BatchModel& model_;
   const world::Workcell& cell_;
   double within_;
   BatchPairs pairs_;
-  std::map<std::tuple<int, int>, Item> standing_, moving_;
-  std::map<std::tuple<int, int>, bool> reaches_;
+  std::vector<Entry> standing_, moving_;
+  std::unordered_map<std::uint64_t, bool> reaches_;
 };
 
 /// A rounded box as a shape, in the frame that it stands still in.
@@ -58,7 +64,9 @@ Shape outer_box(const BatchShape& shape) {
 }
 
 bool PairCompiler::group_reaches(int group, int standing) {
-  const auto [found, is_new] = reaches_.try_emplace({group, standing}, false);
+  const std::uint64_t key =
+      static_cast<std::uint64_t>(group) << 32 | static_cast<std::uint32_t>(standing);
+  const auto [found, is_new] = reaches_.try_emplace(key, false);
   if (!is_new) return found->second;
   const BatchBody& other = body(standing);
   for (int s = other.first_shape; s < other.first_shape + other.shape_count; ++s) {
@@ -83,22 +91,11 @@ void PairCompiler::add_standing(int pair, int a, int b) {
     pairs_.standing_shapes.push_back(s);
     ++compiled.shape_count;
   }
-  if (compiled.shape_count == 0) return;
-  Item& entry = standing_[{moved.joint, b}];
-  entry.item.group_a = moved.joint;
-  entry.item.group_b = -1;
-  entry.item.standing = b;
-  entry.item.common = -1;
-  entry.item.shared = 0;
-  entry.item.reach = model_.groups[static_cast<std::size_t>(moved.joint)].radius + other.outer;
-  entry.item.center = other.p_CB;
-  entry.item.half = other.half;
-  entry.body_pairs.push_back(compiled);
+  if (compiled.shape_count > 0) standing_.push_back({moved.joint, b, compiled});
 }
 
 void PairCompiler::add_moving(int pair, int a, int b) {
-  const int joint_a = body(a).joint, joint_b = body(b).joint;
-  const int common = model_.common_joint(joint_a, joint_b);
+  const int common = model_.common_joint(body(a).joint, body(b).joint);
   // One of them may stand still in the frame of the common joint.
   for (const auto& [still, moved] : {std::pair(a, b), std::pair(b, a)}) {
     if (body(still).joint != common) continue;
@@ -109,15 +106,7 @@ void PairCompiler::add_moving(int pair, int a, int b) {
       return;
     }
   }
-  Item& entry = moving_[{joint_a, joint_b}];
-  entry.item.group_a = joint_a;
-  entry.item.group_b = joint_b;
-  entry.item.standing = -1;
-  entry.item.common = common;
-  entry.item.shared = model_.depth_of(common);
-  entry.item.reach = model_.groups[static_cast<std::size_t>(joint_a)].radius +
-                     model_.groups[static_cast<std::size_t>(joint_b)].radius;
-  entry.body_pairs.push_back({pair, a, b, 0, 0});
+  moving_.push_back({body(a).joint, body(b).joint, {pair, a, b, 0, 0}});
 }
 
 void PairCompiler::add(int index) {
@@ -131,25 +120,106 @@ void PairCompiler::add(int index) {
   add_moving(index, pair.b, pair.a);
 }
 
+BatchItem PairCompiler::standing_item(const Entry& entry) const {
+  const BatchBody& other = body(entry.other);
+  BatchItem item{};
+  item.group_a = entry.group_a;
+  item.group_b = -1;
+  item.standing = entry.other;
+  item.common = -1;
+  item.shared = 0;
+  item.reach = model_.groups[static_cast<std::size_t>(entry.group_a)].radius + other.outer;
+  item.center = other.p_CB;
+  item.half = other.half;
+  return item;
+}
+
+BatchItem PairCompiler::moving_item(const Entry& entry) const {
+  BatchItem item{};
+  item.group_a = entry.group_a;
+  item.group_b = entry.other;
+  item.standing = -1;
+  item.common = model_.common_joint(entry.group_a, entry.other);
+  item.shared = model_.depth_of(item.common);
+  item.reach = model_.groups[static_cast<std::size_t>(entry.group_a)].radius +
+               model_.groups[static_cast<std::size_t>(entry.other)].radius;
+  return item;
+}
+
+template <class F>
+void PairCompiler::add_items(std::vector<Entry>& entries, F&& item_of) {
+  const auto key = [](const Entry& entry) { return std::pair(entry.group_a, entry.other); };
+  std::ranges::stable_sort(entries, {}, key);
+  for (std::size_t i = 0; i < entries.size();) {
+    BatchItem item = item_of(entries[i]);
+    item.first = static_cast<int>(pairs_.body_pairs.size());
+    const std::size_t first = i;
+    for (; i < entries.size() && key(entries[i]) == key(entries[first]); ++i) {
+      pairs_.body_pairs.push_back(entries[i].pair);
+    }
+    item.count = static_cast<int>(i - first);
+    pairs_.items.push_back(item);
+  }
+}
+
+/// Trees over the items of groups that have many with standing bodies.
+void PairCompiler::grow_trees() {
+  constexpr int kFew = 16, kLeaf = 4;
+  const auto end = static_cast<int>(pairs_.standing_items);
+  for (int first = 0; first < end;) {
+    BatchGroupItems of_group{pairs_.items[static_cast<std::size_t>(first)].group_a, first, 0, {}};
+    std::vector<Eigen::AlignedBox3d> boxes;
+    for (int i = first; i < end; ++i) {
+      const BatchItem& item = pairs_.items[static_cast<std::size_t>(i)];
+      if (item.group_a != of_group.group) break;
+      const Eigen::Vector3d center(item.center[0], item.center[1], item.center[2]);
+      const Eigen::Vector3d half(item.half[0], item.half[1], item.half[2]);
+      const float outer = body(item.standing).outer;
+      const Eigen::Vector3d reach = half + Eigen::Vector3d::Constant(static_cast<double>(outer));
+      boxes.emplace_back(center - reach, center + reach);
+      ++of_group.count;
+    }
+    if (of_group.count > kFew) {
+      const BoxTree tree(boxes, kLeaf);
+      std::vector<BatchItem> sorted;
+      for (const int i : tree.order) {
+        sorted.push_back(pairs_.items[static_cast<std::size_t>(first + i)]);
+      }
+      std::ranges::copy(sorted, pairs_.items.begin() + first);
+      for (const BoxTree::Node& node : tree.nodes) {
+        // Rounding to single precision, of the difference to a point too.
+        const Eigen::Vector3d c = node.box.center();
+        const Eigen::Vector3d half =
+            0.5 * node.box.sizes() + Eigen::Vector3d::Constant(1e-6 * (1 + c.norm()));
+        of_group.nodes.push_back(
+            {{static_cast<float>(c.x()), static_cast<float>(c.y()), static_cast<float>(c.z())},
+             {static_cast<float>(half.x()), static_cast<float>(half.y()),
+              static_cast<float>(half.z())},
+             node.skip,
+             first + node.first,
+             node.count});
+      }
+    }
+    first += of_group.count;
+    pairs_.standing_groups.push_back(std::move(of_group));
+  }
+}
+
 BatchPairs PairCompiler::finish() {
+  add_items(standing_, [&](const Entry& entry) { return standing_item(entry); });
+  pairs_.standing_items = pairs_.items.size();
+  grow_trees();
+  add_items(moving_, [&](const Entry& entry) { return moving_item(entry); });
   std::vector<bool> placed(model_.joints.size(), false);
   const auto place = [&](int joint) {
     for (int j = joint; j >= 0; j = model_.joints[static_cast<std::size_t>(j)].parent) {
       placed[static_cast<std::size_t>(j)] = true;
     }
   };
-  for (auto* items : {&standing_, &moving_}) {
-    for (auto& [key, entry] : *items) {
-      entry.item.first = static_cast<int>(pairs_.body_pairs.size());
-      entry.item.count = static_cast<int>(entry.body_pairs.size());
-      pairs_.body_pairs.insert(pairs_.body_pairs.end(), entry.body_pairs.begin(),
-                               entry.body_pairs.end());
-      pairs_.items.push_back(entry.item);
-      place(entry.item.group_a);
-      place(entry.item.group_b);
-    }
+  for (const BatchItem& item : pairs_.items) {
+    place(item.group_a);
+    place(item.group_b);
   }
-  pairs_.standing_items = standing_.size();
   for (std::size_t j = 0; j < placed.size(); ++j) {
     if (placed[j]) pairs_.joints.push_back(static_cast<int>(j));
   }

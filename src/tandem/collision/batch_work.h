@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "tandem/collision/batch_model.h"
@@ -37,6 +38,17 @@ struct NearLanes {
   unsigned lanes;   ///< One bit each.
   LaneRow squared;  ///< [m^2] lower bound of the squared distance of their cores, with its sign.
   float outer;      ///< [m] of both, to be taken off.
+};
+
+/// What is known of a block of boxes. Bits and lanes are by column.
+struct BoxFindings {
+  unsigned touching = 0;  ///< At the centre.
+  unsigned open = 0;      ///< Not proven,
+  unsigned hopeless = 0;  ///< nor by smaller boxes.
+  // If a clearance is wanted:
+  LaneRow least;    ///< Kept by what is proven [m], not above the cap.
+  LaneRow nearest;  ///< At the centre, of the pairs of shapes that were looked at [m].
+  LaneRow excess;   ///< How many times too far things move where it is not proven.
 };
 
 /// One block of configurations as placed, and what is left to prove of an edge.
@@ -79,6 +91,13 @@ class BatchChecker::Scratch {
   double half_length = 0;                   ///< [s]
   float least_clearance = 0;                ///< [m]
 
+  // Boxes around the configurations: half edges are columns of D. The same for them, by lane:
+  const double* D = nullptr;
+  Eigen::Index D_stride = 0;
+  std::vector<LaneRow> box_deviation, box_turn, box_travel;
+  float keep = 0;  ///< What has to be kept for a proof [m].
+  BoxFindings findings;
+
   std::vector<NearLanes> near;  ///< Found last by find_near.
 
   int last_hit = -1;  ///< Item: neighbouring questions tend to collide in the same one.
@@ -105,5 +124,10 @@ bool is_block_free(const BatchPairs& pairs, BatchChecker::Scratch& work);
 void find_near(const BatchPairs& pairs, float within, BatchChecker::Scratch& work);
 /// Proves the edge between edge_a and edge_b as far as single precision can.
 EdgeFinding examine_edge(const BatchPairs& pairs, bool want_clearance, BatchChecker::Scratch& work);
+/// Fills Scratch::findings about the boxes of half edges Scratch::D around `count` columns from
+/// Scratch::Q, and adds the items that are left open in any of them to Scratch::next_pending.
+/// @param items  those to ask about; all, if none are given.
+void examine_boxes(const BatchPairs& pairs, std::span<const int> items, bool want_clearance,
+                   BatchChecker::Scratch& work);
 
 }  // namespace tandem::collision

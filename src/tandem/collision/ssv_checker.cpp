@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tandem/collision/ssv_descent.h"
+#include "tandem/collision/ssv_field.h"
 
 namespace tandem::collision {
 
@@ -111,6 +112,50 @@ void improve(SsvScratch& scratch, int index, PairClearance& best) {
   if (pair.solid) improve_inside(scratch, index, best);
 }
 
+namespace {
+
+/// Calls f(pair) for pairs of the cell, by its field: at least for those whose bounding spheres are
+/// nearer than `limit()` [m], which may fall. @return whether f has ended it by returning true.
+template <class Limit, class F>
+bool for_each_near(SsvScratch& scratch, Limit&& limit, F&& f) {
+  const SsvModel& model = scratch.model();
+  return std::ranges::any_of(model.field->moving_pairs(), f) ||
+         model.field->visit(model, [&](int node) { return scratch.center(node); }, limit, f);
+}
+
+/// The pairs of a selection that may be nearer than `within`, in its order.
+world::PairSelection near_pairs(SsvScratch& scratch, const world::PairSelection& selection,
+                                double within) {
+  if (!scratch.model().field->serves(selection.size()) || !std::ranges::is_sorted(selection)) {
+    return selection;
+  }
+  world::PairSelection pairs;
+  const auto collect = [&](int pair) {
+    pairs.push_back(pair);
+    return false;
+  };
+  for_each_near(scratch, [&] { return within; }, collect);
+  std::ranges::sort(pairs);
+  return pairs;
+}
+
+/// The pair with the least distance of all, by the field.
+PairClearance nearest_of_all(SsvScratch& scratch) {
+  PairClearance best;
+  best.distance = kInfinity;
+  const auto look = [&](int pair) {
+    improve(scratch, pair, best);
+    return false;
+  };
+  // What is so near first [m]; else much is measured before something near is found.
+  for (double within = 0.05;; within = within < 50 ? 4 * within : kInfinity) {
+    for_each_near(scratch, [&] { return std::min(best.distance, within); }, look);
+    if (best.distance <= within) return best;
+  }
+}
+
+}  // namespace
+
 SsvChecker::SsvChecker(std::shared_ptr<const world::Workcell> cell) : cell_(std::move(cell)) {
   expects(cell_ != nullptr, "a checker needs a cell");
   model_ = std::make_unique<const SsvModel>(*cell_);
@@ -160,6 +205,14 @@ bool SsvChecker::is_free(const Eigen::Ref<const Eigen::VectorXd>& q,
   if (own.last_hit < selection.size() && touches(own, model_->pair(selection[own.last_hit]))) {
     return false;
   }
+  if (model_->field->serves(selection.size())) {
+    const auto hits = [&](int pair) {
+      if (!touches(own, model_->pair(pair))) return false;
+      own.last_hit = static_cast<std::size_t>(pair);
+      return true;
+    };
+    return !for_each_near(own, [] { return 0.0; }, hits);
+  }
   for (std::size_t i = 0; i < selection.size(); ++i) {
     if (touches(own, model_->pair(selection[i]))) {
       own.last_hit = i;
@@ -174,6 +227,7 @@ PairClearance SsvChecker::least_clearance(const Eigen::Ref<const Eigen::VectorXd
                                           CollisionChecker::Scratch& scratch) const {
   place(q, scratch);
   SsvScratch& own = own_scratch(*model_, scratch);
+  if (model_->field->serves(selection.size())) return nearest_of_all(own);
   PairClearance best;
   best.distance = kInfinity;
   // The pair that looks nearest first: most others then fail at their bounding spheres.
@@ -198,7 +252,7 @@ void SsvChecker::clearances(const Eigen::Ref<const Eigen::VectorXd>& q,
   place(q, scratch);
   SsvScratch& own = own_scratch(*model_, scratch);
   out.clear();
-  for (const int pair : selection) {
+  for (const int pair : near_pairs(own, selection, within)) {
     PairClearance nearest;
     nearest.distance = within;
     improve(own, pair, nearest);
@@ -213,7 +267,7 @@ void SsvChecker::shape_clearances(const Eigen::Ref<const Eigen::VectorXd>& q,
   place(q, scratch);
   SsvScratch& own = own_scratch(*model_, scratch);
   out.clear();
-  for (const int index : selection) {
+  for (const int index : near_pairs(own, selection, within)) {
     if (!own.spheres_apart(model_->pair(index).a, model_->pair(index).b, within)) {
       add_shape_clearances(own, index, within, out);
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tandem/collision/link_frame.h"
+#include "tandem/collision/ssv_field.h"
 
 namespace tandem::collision {
 
@@ -63,25 +64,39 @@ int common_joint(const SsvModel& model, int a, int b) {
 
 }  // namespace
 
-SsvModel::SsvModel(const world::Workcell& cell) : dof(cell.dof()) {
-  const std::vector<LinkFrame> frames = add_joints(cell, *this);
-  const bool any_solid = std::ranges::any_of(cell.bodies(), [](const world::Body& body) {
+namespace {
+
+bool any_solid(const world::Workcell& cell) {
+  return std::ranges::any_of(cell.bodies(), [](const world::Body& body) {
     return std::ranges::any_of(body.surfaces_L, [](const geometry::PlacedSurface& placed) {
       return placed.surface->is_closed();
     });
   });
+}
+
+}  // namespace
+
+SsvModel::SsvModel(const world::Workcell& cell) : dof(cell.dof()) {
+  const std::vector<LinkFrame> frames = add_joints(cell, *this);
+  const bool with_anchors = any_solid(cell);
   for (const world::Body& body : cell.bodies()) {
     const LinkFrame& frame = frames[static_cast<std::size_t>(body.link)];
-    add_body(body, frame.joint, frame.X_JL, any_solid, *this);
+    add_body(body, frame.joint, frame.X_JL, with_anchors, *this);
   }
   nodes.shrink_to_fit();
+  add_pairs(cell);
+}
+
+void SsvModel::add_pairs(const world::Workcell& cell) {
+  pairs.reserve(cell.pairs().size());
   for (const world::BodyPair& pair : cell.pairs()) {
     const SsvBody& a = bodies[static_cast<std::size_t>(pair.a)];
     const SsvBody& b = bodies[static_cast<std::size_t>(pair.b)];
-    const int common = common_joint(*this, a.joint, b.joint);
+    const int common = a.joint < 0 || b.joint < 0 ? -1 : common_joint(*this, a.joint, b.joint);
     pairs.push_back({a.root, b.root, pair.a, pair.b, common, depth_of(common), a.joint == common,
                      b.joint == common, a.is_solid || b.is_solid});
   }
+  field = std::make_shared<const SsvField>(*this);
 }
 
 }  // namespace tandem::collision

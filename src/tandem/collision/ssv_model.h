@@ -1,12 +1,15 @@
 #pragma once
 /// What the SSV checker and the certificate share: the cell compiled for fast placement.
 
+#include <algorithm>
 #include <cstdint>
 
 #include "tandem/collision/ssv_checker.h"
 #include "tandem/core/contract.h"
 
 namespace tandem::collision {
+
+class SsvField;
 
 /// A joint that an arm moves, with everything rigid below it. Its frame J turns with the joint and
 /// has the joint's axis as z. Joint -1 is the world, J = W.
@@ -92,6 +95,7 @@ struct SsvModel {
   int dof = 0;
   int depth = 0;  ///< Of the deepest joint.
   int node_slots = 0, shape_slots = 0;
+  std::shared_ptr<const SsvField> field;  ///< Of the pairs.
 
   explicit SsvModel(const world::Workcell& cell);
   const SsvPair& pair(int index) const {
@@ -100,6 +104,11 @@ struct SsvModel {
     return pairs[static_cast<std::size_t>(index)];
   }
   const SsvBody& body(int index) const { return bodies[static_cast<std::size_t>(index)]; }
+  /// Past the last node of the tree below one.
+  int node_end(int index) const {
+    while (!node(index).is_leaf()) index = node(index).right;
+    return index + 1;
+  }
   const SsvNode& node(int index) const { return nodes[static_cast<std::size_t>(index)]; }
   const SsvShape& shape(int index) const { return shapes[static_cast<std::size_t>(index)]; }
   int depth_of(int joint) const {
@@ -109,6 +118,9 @@ struct SsvModel {
   Eigen::Vector3d core_point(const SsvNode& leaf) const;
   /// What the core of a leaf is swept by, padding included [m].
   double sweep(const SsvNode& leaf) const;
+
+ private:
+  void add_pairs(const world::Workcell& cell);
 };
 
 /// Compiles the geometry of a body whose frame L stands in J as given; anchors cost some time.

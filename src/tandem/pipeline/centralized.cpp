@@ -38,8 +38,7 @@ Result<PlannedMotion> make_motion(const collision::CompiledCell& compiled, const
   } else {
     report.arms = arm_lengths(compiled.cell(), found.planned, path);
   }
-  const auto scratch = compiled.exact().make_scratch();
-  const CurveContext context{compiled, *scratch, *modules.timing, stop, report};
+  const CurveContext context{compiled, modules.batches, *modules.timing, stop, report};
   auto curve = make_curve(context, path, modules.repair);
   account(modules, report);
   if (!curve) return std::unexpected(curve.error());

@@ -83,23 +83,45 @@ void find_overshoot(const world::Workcell& cell, const PiecewiseCubic& spline, i
   findings.faults.push_back({edge, worst_time});
 }
 
+/// Certificates of all waypoint edges; by the exact certificate none after one that was stopped.
+std::vector<collision::Certificate> certify(const CurveContext& context,
+                                            const PiecewiseCubic& spline,
+                                            const std::vector<double>& waypoint_times) {
+  const collision::CompiledCell& compiled = context.compiled;
+  const world::PairScope all = world::PairScope::all();
+  // Without pairs there is no clearance to name, which only the exact certificate says.
+  if (context.by_batches && !compiled.selection(all).empty()) {
+    const auto scratch = compiled.batch().make_scratch();
+    return collision::certify_parts(compiled.batch(), *compiled.pairs(all), spline, waypoint_times,
+                                    *scratch, kCurveCertificate, context.stop);
+  }
+  const auto scratch = compiled.exact().make_scratch();
+  std::vector<collision::Certificate> certificates;
+  for (std::size_t i = 0; i + 1 < waypoint_times.size(); ++i) {
+    certificates.push_back(collision::certify_interval(
+        compiled.exact(), spline, waypoint_times[i], waypoint_times[i + 1], compiled.selection(all),
+        *scratch, kCurveCertificate, context.stop));
+    if (certificates.back().stopped) break;
+  }
+  return certificates;
+}
+
 /// Proves every waypoint edge of the curve, or says where it fails.
 Findings inspect(const CurveContext& context, const PiecewiseCubic& spline,
                  const std::vector<double>& waypoint_times) {
   const world::Workcell& cell = context.compiled.cell();
-  const world::PairSelection& selection = context.compiled.selection(world::PairScope::all());
   Findings findings;
   const trajectory::Extremes extremes = trajectory::extremes(spline);
   const bool overshoots = (extremes.highest.array() > cell.upper().array()).any() ||
                           (extremes.lowest.array() < cell.lower().array()).any();
   ModuleTimer timer(context.report.times.certificate);
-  for (std::size_t i = 0; i + 1 < waypoint_times.size(); ++i) {
-    const double t0 = waypoint_times[i], t1 = waypoint_times[i + 1];
+  const std::vector<collision::Certificate> certificates = certify(context, spline, waypoint_times);
+  for (std::size_t i = 0; i < certificates.size(); ++i) {
     const int edge = static_cast<int>(i);
-    if (overshoots) find_overshoot(cell, spline, edge, t0, t1, findings);
-    const collision::Certificate certificate =
-        collision::certify_interval(context.compiled.exact(), spline, t0, t1, selection,
-                                    context.scratch, kCurveCertificate, context.stop);
+    const collision::Certificate& certificate = certificates[i];
+    if (overshoots) {
+      find_overshoot(cell, spline, edge, waypoint_times[i], waypoint_times[i + 1], findings);
+    }
     context.report.counts.certificate_evaluations += certificate.evaluations;
     if (certificate.stopped) {
       findings.stopped = true;

@@ -1,14 +1,14 @@
 #pragma once
 /// From waypoints to the executed curve: timing, proof, repair. Internal to pipeline/.
 
-#include "tandem/collision/certificate.h"
+#include "tandem/collision/batch_certificate.h"
 #include "tandem/pipeline/modules.h"
 
 namespace tandem::pipeline {
 
 struct CurveContext {
   const collision::CompiledCell& compiled;
-  collision::CollisionChecker::Scratch& scratch;  ///< Of its exact checker.
+  bool by_batches;  ///< Whether batches prove what they can, or the exact certificate does it all.
   const trajectory::TimeOptimizer& timing;
   StopCondition stop;
   PlanReport& report;

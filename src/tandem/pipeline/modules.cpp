@@ -44,6 +44,7 @@ Modules make_modules(Preset preset, const collision::CompiledCell& compiled,
       modules.shortening.weights.joints = 0;
       modules.shortening.joint_limits = false;
       modules.timing = trajectory::make_slsqp_time_optimizer();
+      modules.batches = false;
       modules.repair = false;
       break;
   }

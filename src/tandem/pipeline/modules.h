@@ -19,7 +19,8 @@ struct Modules {
   std::unique_ptr<planning::Validity> validity;
   std::unique_ptr<shortening::Shortener> shortener;
   shortening::ShorteningOptions shortening;
-  bool repair = true;  ///< Whether a curve that touches something is repaired or an error.
+  bool batches = true;  ///< Whether the curve is proven by batches.
+  bool repair = true;   ///< Whether a curve that touches something is repaired or an error.
 };
 
 /// @param compiled  must outlive the modules.   @param stop  ends a long proof of an edge, too.

@@ -38,7 +38,7 @@ std::shared_ptr<const Workcell> WorkcellBuilder::build_alone(int arm) {
   for (Body& body : cell_->bodies_) body.moved_by = arms_between(body.link, 0);
   // The same allowances were good for the whole cell.
   expects(skip_pairs().has_value(), "a cell's bodies have the names that its pairs are allowed by");
-  make_pairs();
+  make_pairs(Marked(cell_->bodies_.size(), true));
   return cell_;
 }
 

@@ -198,30 +198,72 @@ ArmMask WorkcellBuilder::arms_between(int link_a, int link_b) const {
   return mask;
 }
 
-void WorkcellBuilder::make_pairs() {
-  cell_->pairs_.clear();
-  cell_->skipped_pairs_.clear();
+/// Appends one pair of bodies to those that are checked or to those that are not.
+void WorkcellBuilder::sort_pair(int a, int b, bool list_standing, std::vector<BodyPair>& pairs,
+                                std::vector<SkippedPair>& skipped) const {
+  const Body& body_a = cell_->bodies_[static_cast<std::size_t>(a)];
+  const Body& body_b = cell_->bodies_[static_cast<std::size_t>(b)];
+  if (body_a.moved_by == 0 && body_b.moved_by == 0) {
+    if (list_standing) skipped.push_back({a, b, "no arm moves them"});
+    return;
+  }
+  const ArmMask moved_by = arms_between(body_a.link, body_b.link);
+  if (moved_by == 0) {
+    skipped.push_back(
+        {a, b, body_a.link == body_b.link ? "on the same link" : "rigidly connected"});
+  } else if (const auto why = skipped_.find({a, b}); why != skipped_.end()) {
+    skipped.push_back({a, b, why->second});
+  } else if (moved_by >= ArmMask{1} << cell_->arms_.size()) {
+    skipped.push_back({a, b, "an arm that is left out moves them"});
+  } else {
+    pairs.push_back({a, b, moved_by});
+  }
+}
+
+namespace {
+
+/// Replaces what is said of pairs with a fresh body; both lists ascend.
+template <class Pair>
+void renew(std::vector<Pair>& pairs, const std::vector<bool>& fresh, std::vector<Pair>&& news) {
+  const auto place = [](const Pair& pair) { return std::pair(pair.a, pair.b); };
+  std::erase_if(pairs, [&](const Pair& pair) {
+    return fresh[static_cast<std::size_t>(pair.a)] || fresh[static_cast<std::size_t>(pair.b)];
+  });
+  std::vector<Pair> all;
+  all.reserve(pairs.size() + news.size());
+  std::ranges::merge(pairs, news, std::back_inserter(all), {}, place, place);
+  pairs = std::move(all);
+}
+
+}  // namespace
+
+/// Makes the pairs of the fresh bodies; the others have theirs. Only bodies that move are paired
+/// with all others, so that cells with many obstacles take no more than they have pairs.
+void WorkcellBuilder::make_pairs(const Marked& fresh) {
+  constexpr std::size_t kMostListed = 500;  // Standing bodies whose pairs are worth a list.
   const int count = static_cast<int>(cell_->bodies_.size());
+  std::vector<int> moving, standing;
+  for (int b = 0; b < count; ++b) {
+    (cell_->bodies_[static_cast<std::size_t>(b)].moved_by == 0 ? standing : moving).push_back(b);
+  }
+  const bool list_standing = standing.size() <= kMostListed;
+  std::vector<BodyPair> pairs;
+  std::vector<SkippedPair> skipped;
   for (int a = 0; a < count; ++a) {
-    for (int b = a + 1; b < count; ++b) {
-      const Body& body_a = cell_->bodies_[static_cast<std::size_t>(a)];
-      const Body& body_b = cell_->bodies_[static_cast<std::size_t>(b)];
-      const ArmMask moved_by = arms_between(body_a.link, body_b.link);
-      if (moved_by == 0) {
-        const bool standing = body_a.moved_by == 0;
-        const char* reason = body_a.link == body_b.link && !standing ? "on the same link"
-                             : standing                              ? "no arm moves them"
-                                                                     : "rigidly connected";
-        cell_->skipped_pairs_.push_back({a, b, reason});
-      } else if (const auto skipped = skipped_.find({a, b}); skipped != skipped_.end()) {
-        cell_->skipped_pairs_.push_back({a, b, skipped->second});
-      } else if (moved_by >= ArmMask{1} << cell_->arms_.size()) {
-        cell_->skipped_pairs_.push_back({a, b, "an arm that is left out moves them"});
-      } else {
-        cell_->pairs_.push_back({a, b, moved_by});
-      }
+    const bool stands = cell_->bodies_[static_cast<std::size_t>(a)].moved_by == 0;
+    const auto with = [&](int b) {
+      if (b <= a) return;
+      if (!fresh[static_cast<std::size_t>(a)] && !fresh[static_cast<std::size_t>(b)]) return;
+      sort_pair(a, b, list_standing, pairs, skipped);
+    };
+    if (stands && !list_standing) {
+      for (const int b : moving) with(b);
+    } else {
+      for (int b = a + 1; b < count; ++b) with(b);
     }
   }
+  renew(cell_->pairs_, fresh, std::move(pairs));
+  renew(cell_->skipped_pairs_, fresh, std::move(skipped));
 }
 
 }  // namespace tandem::world

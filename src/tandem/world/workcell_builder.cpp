@@ -86,7 +86,7 @@ Result<std::shared_ptr<const Workcell>> WorkcellBuilder::build() {
   if (done) done = add_attached();
   if (done) done = check_body_padding();
   if (done) done = skip_pairs();
-  if (done) make_pairs();
+  if (done) make_pairs(Marked(cell_->bodies_.size(), true));
   if (done) done = resolve_queries();
   if (done) done = check_changes();
   if (!done) return std::unexpected(done.error());

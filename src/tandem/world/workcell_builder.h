@@ -21,6 +21,8 @@ class WorkcellBuilder {
   Result<std::shared_ptr<const Workcell>> build();
   Result<std::shared_ptr<const Workcell>> build_in(SceneState scene);
   std::shared_ptr<const Workcell> build_alone(int arm);
+  Result<std::shared_ptr<const Workcell>> build_with(ObstacleSpec obstacle);
+  Result<std::shared_ptr<const Workcell>> build_without(const std::string& obstacle);
 
  private:
   // workcell_builder.cpp
@@ -52,14 +54,19 @@ class WorkcellBuilder {
   Result<void> skip_disabled(const RobotSpec& robot);
   Result<void> skip_allowed(const std::string& a, const std::string& b, const std::string& reason,
                             const std::string& where);
-  void make_pairs();
+  /// Bodies by whether their pairs have to be made.
+  using Marked = std::vector<bool>;
+  void make_pairs(const Marked& fresh);
+  void sort_pair(int a, int b, bool list_standing, std::vector<BodyPair>& pairs,
+                 std::vector<SkippedPair>& skipped) const;
   /// Arms with a joint on the way through the tree from one link to the other.
   ArmMask arms_between(int link_a, int link_b) const;
   Result<int> body_named(const std::string& name, const std::string& where) const;
 
   // workcell_scene.cpp
   Result<void> check_scene() const;
-  void place_objects();
+  void place_objects(const SceneState& before, Marked& changed);
+  bool place_object(const std::string& name);
   void place_object(const std::string& name, const ObjectState& home,
                     const std::vector<geometry::Shape>& shapes,
                     const std::vector<geometry::PlacedSurface>& surfaces);

@@ -63,6 +63,10 @@ Result<int> find_carrier(const Workcell& cell, const std::string& object, const 
   return found;
 }
 
+bool is_same(const ObjectState& a, const ObjectState& b) {
+  return a.link == b.link && a.X_LO.matrix() == b.X_LO.matrix() && a.touching == b.touching;
+}
+
 Result<void> detach(const Workcell& cell, const Detach& change, const robot::LinkPoses& X_WL,
                     SceneState& scene) {
   const auto object = object_in(cell, scene, change.object);
@@ -171,12 +175,20 @@ WorkcellBuilder::WorkcellBuilder(const Workcell& cell) : cell_(new Workcell(cell
 }
 
 Result<std::shared_ptr<const Workcell>> WorkcellBuilder::build_in(SceneState scene) {
-  cell_->scene_ = std::move(scene);
+  const SceneState before = std::exchange(cell_->scene_, std::move(scene));
   Result<void> done = check_scene();
-  if (done) place_objects();
+  Marked changed(cell_->bodies_.size(), false);
+  if (done) place_objects(before, changed);
   if (done) done = skip_pairs();
   if (!done) return std::unexpected(done.error());
-  make_pairs();
+  for (const auto* allowed : {&before.allowed, &std::as_const(cell_->scene_.allowed)}) {
+    for (const AllowedPair& pair : *allowed) {
+      for (const std::string& name : {pair.a, pair.b}) {
+        changed[static_cast<std::size_t>(body_index_.at(name))] = true;
+      }
+    }
+  }
+  make_pairs(changed);
   return cell_;
 }
 
@@ -196,13 +208,35 @@ Result<void> WorkcellBuilder::check_scene() const {
   return {};
 }
 
-void WorkcellBuilder::place_objects() {
-  for (const ObstacleSpec& obstacle : cell_->spec_.obstacles) {
-    place_object(obstacle.name, home_of(obstacle), obstacle.shapes_W, obstacle.surfaces_W);
+/// Places what is not where it was before, and marks it.
+void WorkcellBuilder::place_objects(const SceneState& before, Marked& changed) {
+  const auto place = [&](const std::string& name) {
+    if (!place_object(name)) return;
+    changed[static_cast<std::size_t>(body_index_.at(name))] = true;
+  };
+  const SceneState& scene = cell_->scene_;
+  for (const auto& [name, object] : scene.objects) {
+    const auto was = before.objects.find(name);
+    if (was == before.objects.end() || !is_same(was->second, object)) place(name);
   }
-  for (const AttachedSpec& attached : cell_->spec_.attached) {
-    place_object(attached.name, home_of(attached), attached.shapes_L, attached.surfaces_L);
+  for (const auto& [name, object] : before.objects) {
+    if (!scene.objects.contains(name)) place(name);
   }
+}
+
+/// @return false if there is no such object.
+bool WorkcellBuilder::place_object(const std::string& name) {
+  const auto& obstacles = cell_->spec_.obstacles;
+  const auto& attached = cell_->spec_.attached;
+  if (const auto o = std::ranges::find(obstacles, name, &ObstacleSpec::name);
+      o != obstacles.end()) {
+    place_object(name, home_of(*o), o->shapes_W, o->surfaces_W);
+    return true;
+  }
+  const auto a = std::ranges::find(attached, name, &AttachedSpec::name);
+  if (a == attached.end()) return false;
+  place_object(name, home_of(*a), a->shapes_L, a->surfaces_L);
+  return true;
 }
 
 /// Gives a body its link and the geometry that the file has at `home`.
