@@ -8,6 +8,7 @@
 #include "small_cell.h"
 #include "tandem/coordination/coordinator.h"
 #include "tandem/core/rng.h"
+#include "tandem/motion/cell_motion.h"
 #include "tandem/motion/joint_path.h"
 
 namespace tandem::coordination::test {
@@ -161,7 +162,7 @@ inline std::optional<CoordinationCase> swinging_arms(std::uint64_t seed) {
     c.arms.push_back(rest_to_rest(path, rng.uniform(0.6, 1.5)));
     const auto i = static_cast<int>(c.arms.size()) - 1;
     // Alone: the others stand anywhere, their pairs are not asked about.
-    std::vector<motion::PiecewiseCubic> all;
+    std::vector<motion::ArmMotion> all;
     for (const world::Arm& other : cell->arms()) {
       all.push_back(other.offset == arm.offset
                         ? c.arms.back()

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "motion/random_motions.h"
 #include "tandem/core/rng.h"
 #include "tandem/trajectory/limit_check.h"
 
@@ -122,9 +123,9 @@ VectorXd stacked(const Vector2d& left, const Vector2d& right) {
 class Verify : public testing::Test {
  protected:
   /// Verifies left and right, whose ends are what they are told to be.
-  VerifyReport run(const PiecewiseCubic& left, const PiecewiseCubic& right,
+  VerifyReport run(const motion::ArmMotion& left, const motion::ArmMotion& right,
                    const VerifyOptions& options = {}) const {
-    const auto end_of = [](const PiecewiseCubic& arm) { return Vector2d(arm.at(1e9).q); };
+    const auto end_of = [](const motion::ArmMotion& arm) { return Vector2d(arm.at(1e9).q); };
     const auto report =
         verify(cell_, CellMotion({left, right}), stacked(left.at(0).q, right.at(0).q),
                stacked(end_of(left), end_of(right)), options);
@@ -362,6 +363,38 @@ TEST_F(Verify, RatiosAndJumpsAgreeWithExactExtremesOfRandomMotions) {
     EXPECT_GE(report.worst_limit_ratio, exact * (1 - 1e-4));
     EXPECT_LT((report.largest_jumps - jumps).norm(), 1e-12);
   }
+}
+
+/// The left arm along maps that bend, stop, go back and jump.
+TEST_F(Verify, FollowsTimeMaps) {
+  Rng rng(12);
+  for (int round = 0; round < 20; ++round) {
+    const motion::ArmMotion left =
+        *motion::ArmMotion(left_).along(motion::random_map(rng, 3, left_.duration()));
+    const VerifyReport report = run(left, right_);
+    const trajectory::Extremes e = trajectory::extremes(CellMotion({left, right_}));
+    const double exact = std::max(
+        {e.velocity.maxCoeff() / 2.0, e.acceleration.maxCoeff() / 6.0, e.jerk.maxCoeff() / 40.0});
+    // Between samples a steep map peaks higher.
+    EXPECT_LE(report.worst_limit_ratio, exact * (1 + 1e-6));
+    EXPECT_GE(report.worst_limit_ratio, exact * (1 - 5e-2));
+    const Eigen::Vector3d jumps = left.largest_jumps().cwiseMax(right_.largest_jumps());
+    EXPECT_LT((report.largest_jumps - jumps).norm(), 1e-6 * (1 + jumps.norm()));
+  }
+}
+
+TEST_F(Verify, AcceptsASmoothTimeMapAndNamesAKink) {
+  const auto along = [&](std::vector<double> knots, std::vector<motion::TimeMap::Segment> c) {
+    const auto map = motion::TimeMap::make(std::move(knots), std::move(c)).value();
+    return run(motion::ArmMotion(left_).along(map).value(), right_);
+  };
+  const VerifyReport slow = along({0, 4}, {{{0, 0.5}}});
+  EXPECT_TRUE(slow.ok()) << slow.failures.front();
+  const VerifyReport waits = along({0, 1, 5}, {{{0}}, {{0, 0.5}}});
+  EXPECT_TRUE(waits.ok()) << waits.failures.front();
+  const VerifyReport kink = along({0, 2, 4.5}, {{{0, 0.5}}, {{1, 0.4}}});
+  expect_among(kink, "velocity of left/");
+  expect_among(kink, "at 2 s");
 }
 
 TEST_F(Verify, MotionsThatDoNotFitTheCell) {
