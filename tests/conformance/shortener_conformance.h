@@ -45,8 +45,7 @@ class ShortenerConformance : public testing::TestWithParam<ShortenerCase> {
   }
   Shortening shorten(const motion::JointPath& path, const ShorteningOptions& options,
                      const StopCondition& stop = {}) const {
-    const auto scratch = checker_.make_scratch();
-    return shortener_->shorten(checker_, selection_, path, options, *scratch, stop);
+    return shortener_->shorten(compiled_, world::PairScope::all(), path, options, stop);
   }
   double least_clearance(const Eigen::VectorXd& q) const {
     const auto scratch = checker_.make_scratch();
@@ -54,7 +53,8 @@ class ShortenerConformance : public testing::TestWithParam<ShortenerCase> {
   }
 
   std::shared_ptr<const world::Workcell> cell_ = test::small_cell();
-  collision::SsvChecker checker_{cell_};
+  collision::CompiledCell compiled_{cell_};
+  const collision::SsvChecker& checker_ = compiled_.exact();
   world::PairSelection selection_ = cell_->select(world::PairScope::all());
   ShorteningOptions options_ = GetParam().options;
   std::unique_ptr<Shortener> shortener_ = GetParam().make();
@@ -158,10 +158,9 @@ TEST_P(ShortenerConformance, KeepsEdgesAsShortAsAsked) {
 
 TEST_P(ShortenerConformance, RefusesWhatIsNoPath) {
   const auto path = planned(8);
-  const auto scratch = checker_.make_scratch();
   const auto run = [&](const motion::JointPath& waypoints, const ShorteningOptions& options,
                        const motion::JointPath* start) {
-    shortener_->shorten(checker_, selection_, waypoints, options, *scratch, {}, start);
+    shortener_->shorten(compiled_, world::PairScope::all(), waypoints, options, {}, start);
   };
   EXPECT_THROW(run({path[0]}, options_, nullptr), ContractViolation);
   motion::JointPath wrong = path;

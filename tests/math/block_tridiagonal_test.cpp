@@ -56,6 +56,29 @@ TEST(BlockTridiagonal, SolvesAsADenseSolverDoes) {
   }
 }
 
+TEST(BlockTridiagonal, HalvesOfASolveAreItsFactors) {
+  Rng rng(3);
+  for (int size : {1, 5, 7, 14}) {
+    BlockTridiagonal blocks(size, 6);
+    const MatrixXd dense = fill(blocks, rng);
+    ASSERT_TRUE(blocks.factorise());
+    const MatrixXd L = dense.llt().matrixL();
+    for (int first : {0, 2, 5, 6}) {
+      VectorXd b = random_matrix(6 * size, 1, rng);
+      b.head(first * size).setZero();
+      VectorXd forward = b, backward = b;
+      blocks.forward_in_place(forward, first);
+      EXPECT_LT((L * forward - b).norm(), 1e-12 * (1 + b.norm())) << size << ", from " << first;
+      EXPECT_EQ(forward.head(first * size), b.head(first * size));
+      blocks.backward_in_place(backward);
+      EXPECT_LT((L.transpose() * backward - b).norm(), 1e-12 * (1 + b.norm()));
+    }
+    VectorXd b = VectorXd::Zero(6 * size);
+    EXPECT_THROW(blocks.forward_in_place(b, 7), ContractViolation);
+    EXPECT_THROW(blocks.backward_in_place(b.head(2)), ContractViolation);
+  }
+}
+
 TEST(BlockTridiagonal, SaysWhenAMatrixIsNotPositiveDefinite) {
   Rng rng(2);
   for (int size : {1, 3, 7, 14}) {

@@ -76,24 +76,38 @@ bool factorise_blocks(double* blocks, Index size, int count) {
 }
 
 template <int N>
-void solve_blocks(const double* blocks, Index size, int count, double* b) {
-  using Part = Eigen::Map<Eigen::Matrix<double, N, 1>>;
-  const Index area = size * size;
-  for (int k = 0; k < count; ++k) {
-    Part x(b + k * size, size);
-    if (k > 0) {
-      const ConstSquare<N> E(blocks + (2 * k - 1) * area, size, size);
-      x.noalias() -= E * Part(b + (k - 1) * size, size);
-    }
-    ConstSquare<N>(blocks + 2 * k * area, size, size)
-        .template triangularView<Eigen::Lower>()
-        .solveInPlace(x);
+using Part = Eigen::Map<Eigen::Matrix<double, N, 1>>;
+
+/// x <- L^-1 x, columns of L from the left.
+template <int N>
+void divide(const ConstSquare<N>& L, Part<N>& x) {
+  for (Index k = 0; k < x.size(); ++k) {
+    x[k] /= L(k, k);
+    for (Index i = k + 1; i < x.size(); ++i) x[i] -= x[k] * L(i, k);
   }
+}
+
+template <int N>
+void forward_blocks(const double* blocks, Index size, int first, int count, double* b) {
+  const Index area = size * size;
+  for (int k = first; k < count; ++k) {
+    Part<N> x(b + k * size, size);
+    if (k > first) {
+      const ConstSquare<N> E(blocks + (2 * k - 1) * area, size, size);
+      x.noalias() -= E * Part<N>(b + (k - 1) * size, size);
+    }
+    divide<N>(ConstSquare<N>(blocks + 2 * k * area, size, size), x);
+  }
+}
+
+template <int N>
+void backward_blocks(const double* blocks, Index size, int count, double* b) {
+  const Index area = size * size;
   for (int k = count - 1; k >= 0; --k) {
-    Part x(b + k * size, size);
+    Part<N> x(b + k * size, size);
     if (k + 1 < count) {
       const ConstSquare<N> E(blocks + (2 * k + 1) * area, size, size);
-      x.noalias() -= E.transpose() * Part(b + (k + 1) * size, size);
+      x.noalias() -= E.transpose() * Part<N>(b + (k + 1) * size, size);
     }
     ConstSquare<N>(blocks + 2 * k * area, size, size)
         .transpose()
@@ -148,8 +162,20 @@ bool BlockTridiagonal::factorise() {
 }
 
 void BlockTridiagonal::solve_in_place(Eigen::Ref<Eigen::VectorXd> b) const {
+  forward_in_place(b);
+  backward_in_place(b);
+}
+
+void BlockTridiagonal::forward_in_place(Eigen::Ref<Eigen::VectorXd> b, int first) const {
   expects(b.size() == Index{size_} * count_, "one entry per row");
-  with_size(size_, [&]<int N>() { solve_blocks<N>(blocks_.data(), size_, count_, b.data()); });
+  expects(0 <= first && first <= count_, "`first` is one of the blocks, or the end");
+  with_size(size_,
+            [&]<int N>() { forward_blocks<N>(blocks_.data(), size_, first, count_, b.data()); });
+}
+
+void BlockTridiagonal::backward_in_place(Eigen::Ref<Eigen::VectorXd> b) const {
+  expects(b.size() == Index{size_} * count_, "one entry per row");
+  with_size(size_, [&]<int N>() { backward_blocks<N>(blocks_.data(), size_, count_, b.data()); });
 }
 
 }  // namespace tandem::math

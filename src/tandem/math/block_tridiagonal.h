@@ -35,6 +35,10 @@ class BlockTridiagonal {
   [[nodiscard]] bool factorise();
   /// x with A x = b, in place, after factorise(). Allocates nothing.
   void solve_in_place(Eigen::Ref<Eigen::VectorXd> b) const;
+  /// Half of it, the factors being L L^T: b <- L^-1 b, where blocks of b before `first` are zero,
+  void forward_in_place(Eigen::Ref<Eigen::VectorXd> b, int first = 0) const;
+  /// and b <- L^-T b.
+  void backward_in_place(Eigen::Ref<Eigen::VectorXd> b) const;
 
  private:
   Eigen::Index area() const { return Eigen::Index{size_} * size_; }

@@ -31,6 +31,7 @@ Modules make_modules(Preset preset, const collision::CompiledCell& compiled,
       modules.simplifier = planning::make_simplifier();
       modules.validity = planning::make_batch_validity_by_arm(compiled, stop);
       modules.shortener = shortening::make_structured_shortener();
+      modules.shortening.prove_edges = true;
       modules.timing = trajectory::make_barrier_optimizer();
       modules.repair = true;
       break;

@@ -10,8 +10,6 @@ using motion::JointPath;
 namespace {
 
 constexpr int kWaypoints = 20;  // Ref: the paper, "Planner Parameters".
-/// Rounds of looking closer at edges that could not be proven.
-constexpr int kRepairs = 3;
 /// How much longer the tools' paths may become where waypoints are dropped, as a fraction of the
 /// whole.
 constexpr double kLonger = 2e-3;
@@ -35,39 +33,6 @@ double tool_length(const world::Workcell& cell, const JointPath& path) {
   double sum = 0;
   for (const auto& X_WE : tool_poses(cell, path)) sum += motion::cartesian_length(X_WE).L;
   return sum;
-}
-
-bool accepted(planning::Validity& validity, const JointPath& path) {
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    if (!validity.edge(path[i - 1], path[i])) return false;
-  }
-  return true;
-}
-
-/// Points inside each edge to look at next: where an edge is not accepted, twice as many and one.
-/// @return whether there is such an edge.
-bool look_closer(planning::Validity& validity, const JointPath& path, std::vector<int>& points) {
-  bool any = false;
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    if (validity.edge(path[i - 1], path[i])) continue;
-    any = true;
-    int& inside = points[i - 1];
-    inside = 2 * inside + 1;
-  }
-  return any;
-}
-
-/// As far from `from` towards `to` as every edge is accepted, or `from`.
-JointPath blended(planning::Validity& validity, const JointPath& from, const JointPath& to,
-                  const StopCondition& stop) {
-  JointPath path = to;
-  for (double part = 0.75; part > 0.1 && !stop(); part -= 0.25) {
-    for (std::size_t i = 0; i < path.size(); ++i) path[i] = from[i] + part * (to[i] - from[i]);
-    path.front() = from.front();
-    path.back() = from.back();
-    if (accepted(validity, path)) return path;
-  }
-  return from;
 }
 
 /// Drops waypoints whose detour is not worth anything, part by part.
@@ -135,31 +100,6 @@ class Thinning {
   JointPath kept_;
 };
 
-/// The shortened path with accepted edges, or what of it can be had.
-JointPath proven_short(const ShortenContext& context, const JointPath& path) {
-  planning::Validity& validity = *context.modules.validity;
-  const collision::SsvChecker& checker = context.compiled.exact();
-  const world::PairSelection& selection = context.compiled.selection(world::PairScope::all());
-  const auto scratch = checker.make_scratch();
-  shortening::ShorteningOptions options = context.modules.shortening;
-  options.points_per_edge.assign(path.size() - 1, 1);
-  const auto shorten = [&](const JointPath* start) {
-    ++context.report.counts.shortenings;
-    return context.modules.shortener->shorten(checker, selection, path, options, *scratch,
-                                              context.stop, start);
-  };
-  shortening::Shortening result = shorten(nullptr);
-  for (int k = 0; k < kRepairs && !context.stop(); ++k) {
-    if (!look_closer(validity, result.path, options.points_per_edge)) return result.path;
-    ++context.report.rungs["plpp_repair"];
-    const JointPath start = result.path;
-    result = shorten(&start);
-  }
-  if (accepted(validity, result.path)) return result.path;
-  ++context.report.rungs["plpp_blend"];
-  return blended(validity, path, result.path, context.stop);
-}
-
 }  // namespace
 
 std::vector<ArmLengths> arm_lengths(const world::Workcell& cell, const JointPath& before,
@@ -190,17 +130,14 @@ JointPath shorten_path(const ShortenContext& context, const ResolvedQuery& ends,
   JointPath shortened;
   {
     ModuleTimer timer(report.times.plpp);
-    if (context.options.preset == Preset::kPaper) {
-      const collision::SsvChecker& checker = context.compiled.exact();
-      const auto scratch = checker.make_scratch();
-      ++report.counts.shortenings;
-      shortened = context.modules.shortener
-                      ->shorten(checker, context.compiled.selection(world::PairScope::all()), dense,
-                                context.modules.shortening, *scratch, context.stop)
-                      .path;
-    } else {
-      shortened = proven_short(context, dense);
-      if (tool_length(cell, shortened) > tool_length(cell, dense)) shortened = dense;
+    ++report.counts.shortenings;
+    shortening::Shortening result = context.modules.shortener->shorten(
+        context.compiled, world::PairScope::all(), dense, context.modules.shortening, context.stop);
+    if (result.drawn_back > 0) ++report.rungs["plpp_blend"];
+    shortened = std::move(result.path);
+    if (context.options.preset == Preset::kDefault &&
+        tool_length(cell, shortened) > tool_length(cell, dense)) {
+      shortened = dense;
     }
   }
   keep("shortened", shortened);

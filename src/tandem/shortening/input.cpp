@@ -22,6 +22,12 @@ void check_input(const world::Workcell& cell, const motion::JointPath& path,
           "the start has as many waypoints as the path, and its ends");
 }
 
+collision::BatchChecker::Pairs pairs_within(const collision::CompiledCell& compiled,
+                                            const world::PairScope& scope, double clearance) {
+  if (clearance <= collision::BatchChecker::kClearanceCap) return compiled.pairs(scope);
+  return compiled.batch().compile(compiled.selection(scope), clearance);
+}
+
 Shortening unchanged(const world::Workcell& cell, const motion::JointPath& path,
                      const ShorteningOptions& options) {
   PathCost cost(cell, options.weights);

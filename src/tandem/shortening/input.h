@@ -10,6 +10,10 @@ namespace tandem::shortening {
 void check_input(const world::Workcell& cell, const motion::JointPath& path,
                  const ShorteningOptions& options, const motion::JointPath* start);
 
+/// The pairs of `scope`, compiled up to `clearance` [m] at least.
+collision::BatchChecker::Pairs pairs_within(const collision::CompiledCell& compiled,
+                                            const world::PairScope& scope, double clearance);
+
 /// The answer for a path without inner waypoints.
 Shortening unchanged(const world::Workcell& cell, const motion::JointPath& path,
                      const ShorteningOptions& options);

@@ -1,38 +1,42 @@
 #include "tandem/shortening/probes.h"
 
-#include <algorithm>
-
 #include "tandem/core/contract.h"
 
 namespace tandem::shortening {
 
-Eigen::VectorXd probe_position(const motion::JointPath& path, const Probe& probe) {
-  const auto edge = static_cast<std::size_t>(probe.edge);
-  if (probe.at == 0) return path[edge];
-  return path[edge] + probe.at * (path[edge + 1] - path[edge]);
-}
-
-std::vector<Probe> make_probes(const collision::SsvChecker& checker,
-                               const world::PairSelection& selection,
-                               const motion::JointPath& reference, const std::vector<int>& per_edge,
-                               double clearance, collision::CollisionChecker::Scratch& scratch) {
-  const int edges = static_cast<int>(reference.size()) - 1;
-  expects(per_edge.empty() || static_cast<int>(per_edge.size()) == edges,
-          "one number of points per edge, or none");
+std::vector<Probe> make_probes(const motion::JointPath& path, const std::vector<int>& per_edge) {
+  expects(per_edge.size() + 1 == path.size(), "one number of points per edge");
   std::vector<Probe> probes;
-  for (int e = 0; e < edges; ++e) {
-    if (e > 0) probes.push_back({e, 0.0, clearance});
-    const int inside = per_edge.empty() ? 1 : per_edge[static_cast<std::size_t>(e)];
-    for (int k = 1; k <= inside; ++k) probes.push_back({e, k / (inside + 1.0), clearance});
-  }
-  NearPairs near;
-  for (Probe& probe : probes) {
-    checker.clearances(probe_position(reference, probe), selection, clearance, scratch, near);
-    for (const collision::PairClearance& pair : near) {
-      probe.required = std::min(probe.required, pair.distance);
-    }
+  for (std::size_t e = 0; e < per_edge.size(); ++e) {
+    const int edge = static_cast<int>(e);
+    if (e > 0) probes.push_back({edge, 0.0});
+    for (int k = 1; k <= per_edge[e]; ++k) probes.push_back({edge, k / (per_edge[e] + 1.0)});
   }
   return probes;
+}
+
+void place_probes(const motion::JointPath& path, const std::vector<Probe>& probes,
+                  Eigen::MatrixXd& Q) {
+  Q.resize(path.front().size(), static_cast<Eigen::Index>(probes.size()));
+  for (std::size_t k = 0; k < probes.size(); ++k) {
+    const auto edge = static_cast<std::size_t>(probes[k].edge);
+    const double at = probes[k].at;
+    auto column = Q.col(static_cast<Eigen::Index>(k));
+    column = path[edge];
+    if (at > 0) column += at * (path[edge + 1] - path[edge]);
+  }
+}
+
+void require(const collision::BatchChecker& checker, const collision::BatchPairs& pairs,
+             const motion::JointPath& reference, double clearance,
+             collision::BatchChecker::Scratch& scratch, std::vector<Probe>& probes) {
+  Eigen::MatrixXd Q;
+  place_probes(reference, probes, Q);
+  Eigen::VectorXd least(Q.cols());
+  checker.least_clearances(Q, pairs, clearance, scratch, least);
+  for (std::size_t k = 0; k < probes.size(); ++k) {
+    probes[k].required = least[static_cast<Eigen::Index>(k)];
+  }
 }
 
 }  // namespace tandem::shortening

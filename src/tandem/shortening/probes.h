@@ -1,6 +1,9 @@
 #pragma once
 /// Where a path's distances are looked at, and what they must be. Private to shortening/.
 
+#include <cstdint>
+#include <utility>
+
 #include "tandem/shortening/shortener.h"
 
 namespace tandem::shortening {
@@ -9,20 +12,22 @@ namespace tandem::shortening {
 struct Probe {
   int edge;
   double at;
-  double required;  ///< [m] of every pair.
+  double required = 0;  ///< [m] of every pair.
+  /// Pairs of shapes that pushed here the last time, and how much.
+  std::vector<std::pair<std::uint64_t, double>> pushing = {};
 };
 
-/// Pairs near at a probe.
-using NearPairs = std::vector<collision::PairClearance>;
-
-Eigen::VectorXd probe_position(const motion::JointPath& path, const Probe& probe);
-
 /// Every inner waypoint, and points evenly spread inside each edge.
-/// What must be kept is `clearance`, or what `reference` has there if that is less.
-/// @param per_edge  points inside each edge; empty: one each.
-std::vector<Probe> make_probes(const collision::SsvChecker& checker,
-                               const world::PairSelection& selection,
-                               const motion::JointPath& reference, const std::vector<int>& per_edge,
-                               double clearance, collision::CollisionChecker::Scratch& scratch);
+/// @param per_edge  points inside each edge.
+std::vector<Probe> make_probes(const motion::JointPath& path, const std::vector<int>& per_edge);
+
+/// The probes' configurations, a column each.
+void place_probes(const motion::JointPath& path, const std::vector<Probe>& probes,
+                  Eigen::MatrixXd& Q);
+
+/// Fills what must be kept: `clearance`, or what `reference` has there if that is less.
+void require(const collision::BatchChecker& checker, const collision::BatchPairs& pairs,
+             const motion::JointPath& reference, double clearance,
+             collision::BatchChecker::Scratch& scratch, std::vector<Probe>& probes);
 
 }  // namespace tandem::shortening

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "tandem/collision/ssv_checker.h"
+#include "tandem/collision/compiled_cell.h"
 #include "tandem/core/stop.h"
 #include "tandem/motion/joint_path.h"
 
@@ -35,6 +35,10 @@ struct ShorteningOptions {
   /// Points inside each edge at which distances are looked at, by edge; empty: the middle of each.
   /// The paper looks at waypoints only: 0 each.
   std::vector<int> points_per_edge = {};
+  /// Every edge of the result is proven to be free, if those of the path that came in are: where an
+  /// edge is not, more points inside it are looked at while the search goes on. What still is not
+  /// in the end is drawn back towards the last path that was proven. Not with SLSQP.
+  bool prove_edges = false;
   /// Forward differences with this step instead of analytic gradients, for the comparison in the
   /// paper's implementation table [rad]; 0: analytic.
   double difference_step = 0;
@@ -46,6 +50,7 @@ struct Shortening {
   /// What clearance lacks most at a waypoint or on an edge that was looked at [m], >= 0.
   double violation = 0;
   int iterations = 0;
+  int drawn_back = 0;    ///< Waypoints moved back because an edge could not be proven.
   long evaluations = 0;  ///< Configurations at which distances were computed.
   bool stopped = false;  ///< The stop condition ended it early.
 };
@@ -54,14 +59,13 @@ struct Shortening {
 class Shortener {
  public:
   virtual ~Shortener() = default;
-  /// @param path   at least two waypoints of checker.cell(); its clearance is what may not shrink.
+  /// @param scope  pairs that keep their distance.
+  /// @param path   at least two waypoints of compiled.cell(); its clearance is what may not shrink.
   /// @param start  where to begin, as many waypoints with the same ends; null: at `path`.
-  /// @return the best path found; it is not certified, and `violation` may be above 0. On a stop
-  /// the best so far, at once.
-  virtual Shortening shorten(const collision::SsvChecker& checker,
-                             const world::PairSelection& selection, const motion::JointPath& path,
-                             const ShorteningOptions& options,
-                             collision::CollisionChecker::Scratch& scratch,
+  /// @return the best path found; `violation` may be above 0, and edges are proven only on request.
+  /// On a stop the best so far, at once.
+  virtual Shortening shorten(const collision::CompiledCell& compiled, const world::PairScope& scope,
+                             const motion::JointPath& path, const ShorteningOptions& options,
                              const StopCondition& stop,
                              const motion::JointPath* start = nullptr) const = 0;
 };

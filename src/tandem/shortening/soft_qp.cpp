@@ -1,7 +1,9 @@
 #include "tandem/shortening/soft_qp.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tandem/core/contract.h"
 
@@ -15,244 +17,357 @@ Index SoftQp::constraint_count() const {
   return count;
 }
 
-void SoftQp::lacking(const VectorXd& x, ArrayXd& out) const {
-  const Index size = H.block_size();
+ArrayXd SoftQp::bounds() const {
+  ArrayXd all(constraint_count());
+  Index k = 0;
+  for (const Group& group : groups) {
+    all.segment(k, group.count()) = group.bounds.array();
+    k += group.count();
+  }
+  return all;
+}
+
+void SoftQp::project(const VectorXd& x, ArrayXd& out) const {
   out.resize(constraint_count());
+  const Index size = H.block_size();
   Index k = 0;
   for (const Group& group : groups) {
     auto part = out.segment(k, group.count()).matrix();
-    part = group.bounds;
     const Index first = group.block * size;
-    if (group.at_block.size() > 0) {
-      part.noalias() -= group.at_block.transpose() * x.segment(first, size);
-    }
-    if (group.at_next.size() > 0) {
-      part.noalias() -= group.at_next.transpose() * x.segment(first + size, size);
-    }
     k += group.count();
+    if (has_here(group) && has_next(group) && group.at_next.size() == 0) {
+      part.noalias() = group.at.transpose() * (group.here * x.segment(first, size) +
+                                               group.next * x.segment(first + size, size));
+      continue;
+    }
+    part.setZero();
+    if (has_here(group)) {
+      part.noalias() += group.at.transpose() * (group.here * x.segment(first, size));
+    }
+    if (has_next(group)) {
+      part.noalias() +=
+          group.columns_next().transpose() * (group.next * x.segment(first + size, size));
+    }
   }
 }
 
 double SoftQp::value(const VectorXd& x, double free) const {
   VectorXd Hx(x.size());
   H.multiply(x, Hx);
-  ArrayXd missing;
-  lacking(x, missing);
-  return x.dot(0.5 * Hx + g) + penalty * (missing - free).max(0.0).sum();
+  ArrayXd along;
+  project(x, along);
+  return x.dot(0.5 * Hx + g) + penalty * (bounds() - along - free).max(0.0).sum();
 }
 
 namespace {
 
-constexpr double kLeastSlack = 1e-3;    // Of the start: nothing begins at its boundary.
-constexpr double kToBoundary = 0.995;   // Fraction of the way to the nearest boundary.
+constexpr double kInside = 1e-12;       // Of the box's width: how near to its sides x may be.
 constexpr double kNothingLeft = 1e-13;  // Objectives are scaled to about 1.
-constexpr int kMostIterations = 40;
+constexpr double kHard = std::numeric_limits<double>::infinity();
+constexpr int kMostRounds = 40;
+constexpr int kAtOnce = 2;  // Constraints of a group, added in one round.
 
-/// Every constraint as a^T x + s - t = b with s, t >= 0: t its slack and multiplier lambda, s its
-/// violation and multiplier nu = penalty - lambda, kept apart since the difference loses its
-/// digits. Bounds have multipliers z.
-struct Point {
-  VectorXd x;
-  ArrayXd s, t, lambda, nu;
-  ArrayXd z_lower, z_upper;
-};
-
-class InteriorPoint {
+/// min q(l) = l^T S l / 2 - c^T l over 0 <= l <= most, which grows by rows.
+class DualProblem {
  public:
-  InteriorPoint(const SoftQp& qp, double tolerance)
-      : qp_(qp), tolerance_(tolerance), factors_(qp.H), size_(qp.H.block_size()) {}
+  VectorXd lambda;
 
-  QpSolution run();
+  Index size() const { return lambda.size(); }
+  /// @param row  entries of S with the rows before, then with itself.
+  void add(const VectorXd& row, double c, double most, double start);
+  void solve();
 
  private:
-  void start();
-  void measure();
-  bool factorise();
-  /// Direction that makes every product of a slack and its multiplier `target` less the second
-  /// order terms of `step_`, where `corrected`.
-  void solve_direction(double target, bool corrected);
-  double longest_step() const;
-  void advance(double length);
-  /// Sum of all products of slacks and multipliers.
-  double gap(const Point& p) const;
-  ArrayXd from_lower(const Point& p) const { return p.x.array() - qp_.lower.array(); }
-  ArrayXd from_upper(const Point& p) const { return qp_.upper.array() - p.x.array(); }
-  VectorXd gathered(const ArrayXd& per_constraint) const;
+  void find_free(const VectorXd& gradient);
+  VectorXd direction(const VectorXd& gradient);
+  VectorXd to_first_side(const VectorXd& d) const;
+  double value(const VectorXd& l) const { return l.dot(0.5 * (S() * l) - c_); }
+  Eigen::Ref<const Eigen::MatrixXd> S() const { return S_.topLeftCorner(size(), size()); }
 
-  const SoftQp& qp_;
-  double tolerance_;
-  math::BlockTridiagonal factors_;
-  Index size_;
-  Point at_, step_;
-  ArrayXd bounds_;  // What lacks at x = 0.
-  VectorXd dual_;   // H x + g - A^T lambda - z_lower + z_upper.
-  ArrayXd primal_;  // b - A x - s + t.
-  ArrayXd sigma_;   // Weight of every constraint in the reduced system.
-  Eigen::MatrixXd here_, next_;
+  Eigen::MatrixXd S_;
+  VectorXd c_, most_;
+  std::vector<Index> free_;
 };
 
-/// A^T y.
-VectorXd InteriorPoint::gathered(const ArrayXd& y) const {
-  VectorXd sum = VectorXd::Zero(qp_.g.size());
+void DualProblem::add(const VectorXd& row, double c, double most, double start) {
+  const Index n = size();
+  if (S_.rows() == n) S_.conservativeResize(2 * n + 16, 2 * n + 16);
+  S_.row(n).head(n + 1) = row.transpose();
+  S_.col(n).head(n + 1) = row;
+  lambda.conservativeResize(n + 1);
+  c_.conservativeResize(n + 1);
+  most_.conservativeResize(n + 1);
+  lambda[n] = start;
+  c_[n] = c;
+  most_[n] = most;
+}
+
+/// What may move: not at a side that it is pushed against.
+void DualProblem::find_free(const VectorXd& gradient) {
+  free_.clear();
+  for (Index i = 0; i < size(); ++i) {
+    const bool held =
+        (lambda[i] <= 0 && gradient[i] >= 0) || (lambda[i] >= most_[i] && gradient[i] <= 0);
+    if (!held) free_.push_back(i);
+  }
+}
+
+/// Newton's direction of those that are free; what it would push out of its range is held.
+VectorXd DualProblem::direction(const VectorXd& gradient) {
+  constexpr double kSingular = 1e-10;  // Constraints may depend on each other.
+  VectorXd all = VectorXd::Zero(size());
+  while (!free_.empty()) {
+    Eigen::MatrixXd part = S_(free_, free_);
+    part.diagonal() *= 1 + kSingular;
+    const VectorXd d = part.llt().solve(-gradient(free_));
+    std::vector<Index> kept;
+    for (std::size_t k = 0; k < free_.size(); ++k) {
+      const Index i = free_[k];
+      const double towards = d[static_cast<Index>(k)];
+      if ((lambda[i] <= 0 && towards < 0) || (lambda[i] >= most_[i] && towards > 0)) continue;
+      kept.push_back(i);
+      all[i] = towards;
+    }
+    if (kept.size() == free_.size()) return all;
+    all.setZero();
+    free_ = std::move(kept);
+  }
+  return all;
+}
+
+void DualProblem::solve() {
+  constexpr int kMostSteps = 100;
+  constexpr double kFlat = 1e-11;  // Of the gradient, against c.
+  if (size() == 0) return;
+  const double flat = kFlat * (1e-3 + c_.cwiseAbs().maxCoeff());
+  double now = value(lambda);
+  for (int i = 0; i < kMostSteps; ++i) {
+    const VectorXd gradient = S() * lambda - c_;
+    find_free(gradient);
+    double steepest = 0;
+    for (const Index k : free_) steepest = std::max(steepest, std::abs(gradient[k]));
+    if (steepest <= flat) return;
+    const VectorXd d = direction(gradient);
+    VectorXd next;
+    double there = now;
+    for (double part = 1; part > 0.1 && !(there < now); part *= 0.5) {  // Bent at the sides.
+      next = (lambda + part * d).cwiseMax(0.0).cwiseMin(most_);
+      there = value(next);
+    }
+    if (!(there < now)) {
+      next = to_first_side(d);
+      there = value(next);
+    }
+    if (!(there <= now)) return;  // Down to rounding.
+    lambda = next;
+    now = there;
+  }
+}
+
+/// From lambda along d, which always leads down, until the first one is at a side.
+VectorXd DualProblem::to_first_side(const VectorXd& d) const {
+  double reach = 1;
+  Index first = -1;
+  for (Index k = 0; k < size(); ++k) {
+    const double side = d[k] < 0 ? 0.0 : most_[k];
+    if (d[k] == 0 || (d[k] > 0 && lambda[k] + reach * d[k] <= side) ||
+        (d[k] < 0 && lambda[k] + reach * d[k] >= side)) {
+      continue;
+    }
+    reach = (side - lambda[k]) / d[k];
+    first = k;
+  }
+  VectorXd next = (lambda + reach * d).cwiseMax(0.0).cwiseMin(most_);
+  if (first >= 0) next[first] = d[first] < 0 ? 0.0 : most_[first];
+  return next;
+}
+
+class ActiveSet {
+ public:
+  ActiveSet(const SoftQp& qp, double tolerance)
+      : qp_(qp),
+        tolerance_(tolerance),
+        size_(qp.H.block_size()),
+        bounds_(qp.bounds()),
+        factors_(qp.H),
+        is_known_(static_cast<std::size_t>(bounds_.size() + 2 * qp.g.size()), false) {}
+
+  QpSolution run(const ArrayXd& multipliers);
+
+ private:
+  /// A constraint, or a side of the box.
+  struct Row {
+    Index constraint;  ///< Past the constraints: lower sides, then upper ones.
+    Index first;       ///< Entry of its column in V that is not zero.
+  };
+
+  void add(Index constraint, const SoftQp::Group* group, Index column, double start);
+  void add_side(Index constraint, double start);
+  bool add_broken(const VectorXd& x, const ArrayXd& lacking);
+  VectorXd primal();
+  bool is_solved(const VectorXd& x, const ArrayXd& lacking, QpSolution& solution) const;
+  void push(Index constraint, int block, VectorXd column, double bound, double most, double start);
+
+  const SoftQp& qp_;
+  const double tolerance_;
+  const Index size_;
+  const ArrayXd bounds_;
+  math::BlockTridiagonal factors_;
+  VectorXd y_;                     ///< L^-1 g
+  std::vector<Row> rows_;          ///< The working set.
+  std::vector<VectorXd> columns_;  ///< L^-1 a of each.
+  std::vector<bool> is_known_;
+  DualProblem dual_;
+};
+
+/// Adds the row with coefficients `column`, which are zero before `block`.
+void ActiveSet::push(Index constraint, int block, VectorXd column, double bound, double most,
+                     double start) {
+  factors_.forward_in_place(column, block);
+  const Index first = block * size_, length = column.size() - first;
+  VectorXd row(dual_.size() + 1);
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const Index from = std::max(first, rows_[i].first);
+    row[static_cast<Index>(i)] =
+        column.tail(column.size() - from).dot(columns_[i].tail(column.size() - from));
+  }
+  row[dual_.size()] = column.tail(length).squaredNorm();
+  is_known_[static_cast<std::size_t>(constraint)] = true;
+  if (!(row[dual_.size()] > 0)) return;  // No step changes it.
+  dual_.add(row, bound + column.tail(length).dot(y_.tail(length)), most, start);
+  rows_.push_back({constraint, first});
+  columns_.push_back(std::move(column));
+}
+
+void ActiveSet::add(Index constraint, const SoftQp::Group* group, Index i, double start) {
+  VectorXd column = VectorXd::Zero(qp_.g.size());
+  const Index first = group->block * size_;
+  if (qp_.has_here(*group)) column.segment(first, size_) = group->here * group->at.col(i);
+  if (qp_.has_next(*group)) {
+    column.segment(first + size_, size_) = group->next * group->columns_next().col(i);
+  }
+  const int block = qp_.has_here(*group) ? group->block : group->block + 1;
+  push(constraint, std::clamp(block, 0, qp_.H.block_count()), std::move(column),
+       bounds_[constraint], qp_.penalty, start);
+}
+
+void ActiveSet::add_side(Index constraint, double start) {
+  const Index n = qp_.g.size(), side = constraint - bounds_.size();
+  const bool is_upper = side >= n;
+  const Index j = is_upper ? side - n : side;
+  VectorXd column = VectorXd::Zero(n);
+  column[j] = is_upper ? -1 : 1;
+  push(constraint, static_cast<int>(j / size_), std::move(column),
+       is_upper ? -qp_.upper[j] : qp_.lower[j], kHard, start);
+}
+
+/// Adds the constraints that x breaks most. @return whether there are any.
+bool ActiveSet::add_broken(const VectorXd& x, const ArrayXd& lacking) {
+  const std::size_t before = rows_.size();
   Index k = 0;
   for (const SoftQp::Group& group : qp_.groups) {
-    const auto part = y.segment(k, group.count()).matrix();
-    const Index first = group.block * size_;
-    if (group.at_block.size() > 0) sum.segment(first, size_).noalias() += group.at_block * part;
-    if (group.at_next.size() > 0) {
-      sum.segment(first + size_, size_).noalias() += group.at_next * part;
+    for (int n = 0; n < kAtOnce; ++n) {
+      Index worst = -1;
+      double most = 0;
+      for (Index i = 0; i < group.count(); ++i) {
+        if (lacking[k + i] <= most || is_known_[static_cast<std::size_t>(k + i)]) continue;
+        most = lacking[k + i];
+        worst = i;
+      }
+      if (worst >= 0) add(k + worst, &group, worst, 0);
     }
     k += group.count();
   }
-  return sum;
-}
-
-void InteriorPoint::start() {
-  at_.x = VectorXd::Zero(qp_.g.size());
-  qp_.lacking(at_.x, bounds_);
-  const ArrayXd& lacking = bounds_;
-  const Index count = lacking.size();
-  // The multipliers' scale is that of the objective's slope over the box.
-  const double scale =
-      std::max((qp_.g.array().abs() * (qp_.upper - qp_.lower).array()).sum(), 1e-12);
-  const double mu = scale / static_cast<double>(2 * qp_.g.size() + 2 * count);
-  const double slack = kLeastSlack * std::max(1.0, count > 0 ? lacking.abs().maxCoeff() : 0.0);
-  at_.t = (-lacking).max(0.0) + slack;
-  at_.s = lacking.max(0.0) + slack;
-  at_.lambda = (mu / at_.t).min(0.5 * qp_.penalty);
-  at_.nu = qp_.penalty - at_.lambda;
-  at_.z_lower = mu / from_lower(at_);
-  at_.z_upper = mu / from_upper(at_);
-  step_ = at_;
-}
-
-void InteriorPoint::measure() {
-  dual_.resize(at_.x.size());
-  qp_.H.multiply(at_.x, dual_);
-  dual_ += qp_.g - gathered(at_.lambda);
-  dual_.array() += at_.z_upper - at_.z_lower;
-  qp_.lacking(at_.x, primal_);
-  primal_ += at_.t - at_.s;
-}
-
-bool InteriorPoint::factorise() {
-  factors_ = qp_.H;
-  sigma_ = (at_.s / at_.nu + at_.t / at_.lambda).inverse();
-  const ArrayXd roots = sigma_.sqrt();
-  Index k = 0;
-  for (const SoftQp::Group& group : qp_.groups) {
-    const auto root = roots.segment(k, group.count()).matrix().asDiagonal();
-    if (group.at_block.size() > 0) here_.noalias() = group.at_block * root;
-    if (group.at_next.size() > 0) next_.noalias() = group.at_next * root;
-    if (group.at_block.size() > 0) {
-      factors_.diagonal(group.block).selfadjointView<Eigen::Lower>().rankUpdate(here_);
-    }
-    if (group.at_next.size() > 0) {
-      factors_.diagonal(group.block + 1).selfadjointView<Eigen::Lower>().rankUpdate(next_);
-    }
-    if (group.at_block.size() > 0 && group.at_next.size() > 0) {
-      factors_.lower(group.block).noalias() += next_ * here_.transpose();
-    }
-    k += group.count();
+  for (Index j = 0; j < x.size(); ++j) {
+    const Index lower = bounds_.size() + j, upper = lower + x.size();
+    if (x[j] < qp_.lower[j] && !is_known_[static_cast<std::size_t>(lower)]) add_side(lower, 0);
+    if (x[j] > qp_.upper[j] && !is_known_[static_cast<std::size_t>(upper)]) add_side(upper, 0);
   }
-  const ArrayXd diagonal = at_.z_lower / from_lower(at_) + at_.z_upper / from_upper(at_);
-  for (int b = 0; b < factors_.block_count(); ++b) {
-    factors_.diagonal(b).diagonal() += diagonal.segment(b * size_, size_).matrix();
+  return rows_.size() > before;
+}
+
+/// The x that the multipliers lead to.
+VectorXd ActiveSet::primal() {
+  VectorXd x = -y_;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const double multiplier = dual_.lambda[static_cast<Index>(i)];
+    if (multiplier == 0) continue;
+    const Index length = x.size() - rows_[i].first;
+    x.tail(length) += multiplier * columns_[i].tail(length);
   }
-  return factors_.factorise();
+  factors_.backward_in_place(x);
+  return x;
 }
 
-void InteriorPoint::solve_direction(double target, bool corrected) {
-  const ArrayXd lower = from_lower(at_), upper = from_upper(at_);
-  const auto aim = [&](const ArrayXd& a, const ArrayXd& b, double sign) -> ArrayXd {
-    return corrected ? ArrayXd(target - sign * a * b) : ArrayXd::Constant(a.size(), target);
-  };
-  const ArrayXd dx = step_.x.array();
-  const ArrayXd aim_t = aim(step_.t, step_.lambda, 1), aim_s = aim(step_.s, step_.lambda, -1);
-  const ArrayXd aim_lower = aim(dx, step_.z_lower, 1), aim_upper = aim(dx, step_.z_upper, -1);
-
-  const ArrayXd c = primal_ - aim_s / at_.nu + at_.s + aim_t / at_.lambda - at_.t;
-  step_.x = gathered(sigma_ * c) - dual_;
-  step_.x.array() += aim_lower / lower - at_.z_lower - aim_upper / upper + at_.z_upper;
-  factors_.solve_in_place(step_.x);
-  ArrayXd change;
-  qp_.lacking(step_.x, change);
-  step_.lambda = sigma_ * (c + change - bounds_);
-  step_.t = (aim_t - at_.t * step_.lambda) / at_.lambda - at_.t;
-  step_.s = (aim_s + at_.s * step_.lambda) / at_.nu - at_.s;
-  step_.z_lower = (aim_lower - at_.z_lower * step_.x.array()) / lower - at_.z_lower;
-  step_.z_upper = (aim_upper + at_.z_upper * step_.x.array()) / upper - at_.z_upper;
-}
-
-/// Of `step_`, until the first slack or multiplier vanishes; at most 1.
-double InteriorPoint::longest_step() const {
-  double length = 1;
-  const auto limit = [&](const ArrayXd& value, const ArrayXd& change) {
-    for (Index i = 0; i < value.size(); ++i) {
-      if (value[i] + length * change[i] < 0) length = -value[i] / change[i];
+/// Whether x, moved into the box, is good enough: fills the solution with it.
+bool ActiveSet::is_solved(const VectorXd& x, const ArrayXd& lacking, QpSolution& solution) const {
+  const VectorXd margin = kInside * (qp_.upper - qp_.lower);
+  solution.x = x.cwiseMax(qp_.lower + margin).cwiseMin(qp_.upper - margin);
+  const VectorXd moved = solution.x - x;
+  VectorXd H_moved = VectorXd::Zero(x.size());
+  ArrayXd lacks = lacking;
+  if (!moved.isZero(0)) {
+    ArrayXd along;
+    qp_.H.multiply(moved, H_moved);
+    qp_.project(moved, along);
+    lacks -= along;
+  }
+  // The multipliers bound the objective from below, as far as x is stationary for them.
+  double left = H_moved.cwiseAbs().dot(qp_.upper - qp_.lower);
+  const double lost = qp_.penalty * lacks.max(0.0).sum();
+  left += lost;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Index side = rows_[i].constraint - bounds_.size(), n = x.size();
+    const double multiplier = dual_.lambda[static_cast<Index>(i)];
+    if (side < 0) {
+      left -= multiplier * lacks[rows_[i].constraint];
+    } else {
+      left += multiplier * (side < n ? solution.x[side] - qp_.lower[side]
+                                     : qp_.upper[side - n] - solution.x[side - n]);
     }
-  };
-  limit(at_.s, step_.s);
-  limit(at_.t, step_.t);
-  limit(at_.lambda, step_.lambda);
-  limit(at_.nu, -step_.lambda);
-  limit(from_lower(at_), step_.x.array());
-  limit(from_upper(at_), -step_.x.array());
-  limit(at_.z_lower, step_.z_lower);
-  limit(at_.z_upper, step_.z_upper);
-  return length;
+  }
+  VectorXd Hx(x.size());
+  qp_.H.multiply(solution.x, Hx);
+  solution.value = solution.x.dot(0.5 * Hx + qp_.g) + lost;
+  const double fallen = qp_.penalty * bounds_.max(0.0).sum() - solution.value;
+  return left <= tolerance_ * fallen || left <= kNothingLeft;
 }
 
-void InteriorPoint::advance(double length) {
-  at_.x += length * step_.x;
-  at_.s += length * step_.s;
-  at_.t += length * step_.t;
-  at_.lambda += length * step_.lambda;
-  at_.nu -= length * step_.lambda;
-  at_.z_lower += length * step_.z_lower;
-  at_.z_upper += length * step_.z_upper;
-}
-
-double InteriorPoint::gap(const Point& p) const {
-  return (p.t * p.lambda + p.s * p.nu).sum() +
-         (from_lower(p) * p.z_lower + from_upper(p) * p.z_upper).sum();
-}
-
-QpSolution InteriorPoint::run() {
-  start();
-  const double at_start = qp_.value(at_.x);
-  const VectorXd widths = qp_.upper - qp_.lower;
-  const auto products = static_cast<double>(2 * at_.x.size() + 2 * at_.s.size());
+QpSolution ActiveSet::run(const ArrayXd& multipliers) {
   QpSolution solution;
-  for (; solution.iterations < kMostIterations; ++solution.iterations) {
-    measure();
-    const double now = gap(at_);
-    solution.value = qp_.value(at_.x);
-    // The products bound what is left only where the point solves its equations.
-    const double residual = dual_.array().abs().matrix().dot(widths);
-    const double fallen = std::max(at_start - solution.value, 0.0);
-    if (now + residual <= tolerance_ * fallen || now + residual <= kNothingLeft) {
-      solution.converged = true;
-      break;
+  solution.x = VectorXd::Zero(qp_.g.size());
+  solution.multipliers = ArrayXd::Zero(bounds_.size());
+  if (!factors_.factorise()) return solution;
+  y_ = qp_.g;
+  factors_.forward_in_place(y_);
+  if (multipliers.size() == bounds_.size()) {
+    Index k = 0;
+    for (const SoftQp::Group& group : qp_.groups) {
+      for (Index i = 0; i < group.count(); ++i, ++k) {
+        if (multipliers[k] > 0) add(k, &group, i, std::min(multipliers[k], qp_.penalty));
+      }
     }
-    if (!factorise()) break;
-    solve_direction(0, false);
-    const double reach = longest_step();
-    const Point here = at_;
-    advance(reach);
-    const double foreseen = gap(at_);
-    at_ = here;
-    const double centering = std::pow(foreseen / now, 3);
-    solve_direction(centering * now / products, true);
-    advance(kToBoundary * longest_step());
   }
-  solution.x = at_.x;
+  ArrayXd lacking;
+  while (solution.rounds < kMostRounds) {
+    ++solution.rounds;
+    dual_.solve();
+    const VectorXd x = primal();
+    qp_.project(x, lacking);
+    lacking = bounds_ - lacking;
+    solution.converged = is_solved(x, lacking, solution);
+    if (solution.converged || !add_broken(x, lacking)) break;
+  }
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    if (rows_[i].constraint >= bounds_.size()) continue;
+    solution.multipliers[rows_[i].constraint] = dual_.lambda[static_cast<Index>(i)];
+  }
   return solution;
 }
 
 }  // namespace
 
-QpSolution solve(const SoftQp& qp, double tolerance) {
+QpSolution solve(const SoftQp& qp, double tolerance, const ArrayXd& multipliers) {
   const Index size = qp.g.size();
   expects(size == Index{qp.H.block_size()} * qp.H.block_count() && qp.lower.size() == size &&
               qp.upper.size() == size,
@@ -260,7 +375,7 @@ QpSolution solve(const SoftQp& qp, double tolerance) {
   expects((qp.lower.array() < 0).all() && (qp.upper.array() > 0).all(),
           "0 lies strictly between the bounds");
   expects(qp.penalty > 0 && tolerance > 0, "penalty and tolerance are positive");
-  return InteriorPoint(qp, tolerance).run();
+  return ActiveSet(qp, tolerance).run(multipliers);
 }
 
 }  // namespace tandem::shortening

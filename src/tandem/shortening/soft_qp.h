@@ -12,12 +12,18 @@ namespace tandem::shortening {
 /// min over x in [lower, upper]:  x^T H x / 2 + g^T x + penalty sum_k max(0, b_k - a_k^T x).
 /// x stacks the blocks of H.
 struct SoftQp {
-  /// Constraints with entries in the same block, or the same two neighbouring ones.
+  /// Constraints with entries in block `block`, `here` times the columns of `at`, and in the next
+  /// one, `next` times those of `at_next` or, where that is empty, of `at` again. A block that H
+  /// does not have is left out.
   struct Group {
-    int block;                          ///< The first of the two.
-    Eigen::MatrixXd at_block, at_next;  ///< Columns are a_k; block size x count, or empty for 0.
-    Eigen::VectorXd bounds;             ///< b_k
+    int block;
+    double here, next;
+    Eigen::MatrixXd at;                           ///< Block size x count.
+    Eigen::VectorXd bounds;                       ///< b_k
+    Eigen::MatrixXd at_next = Eigen::MatrixXd();  ///< The same size, or empty.
+
     Eigen::Index count() const { return bounds.size(); }
+    const Eigen::MatrixXd& columns_next() const { return at_next.size() > 0 ? at_next : at; }
   };
 
   SoftQp(int block_size, int block_count) : H(block_size, block_count) {}
@@ -27,9 +33,15 @@ struct SoftQp {
   std::vector<Group> groups;
   double penalty = 1;
 
+  bool has_here(const Group& group) const { return group.block >= 0 && group.here != 0; }
+  bool has_next(const Group& group) const {
+    return group.block + 1 < H.block_count() && group.next != 0;
+  }
   Eigen::Index constraint_count() const;
-  /// b_k - a_k^T x of all constraints, group after group.
-  void lacking(const Eigen::VectorXd& x, Eigen::ArrayXd& out) const;
+  /// b_k of all constraints, group after group,
+  Eigen::ArrayXd bounds() const;
+  /// and a_k^T x.
+  void project(const Eigen::VectorXd& x, Eigen::ArrayXd& out) const;
   /// The objective at x, where each constraint may lack `free` without penalty.
   double value(const Eigen::VectorXd& x, double free = 0) const;
 };
@@ -37,14 +49,18 @@ struct SoftQp {
 struct QpSolution {
   Eigen::VectorXd x;  ///< Strictly between the bounds.
   double value = 0;
-  int iterations = 0;
+  Eigen::ArrayXd multipliers;  ///< Of the constraints, 0 to the penalty.
+  int rounds = 0;              ///< In which constraints were added.
   bool converged = false;
 };
 
-/// Primal-dual interior point with Mehrotra's corrector; each iteration costs one factorisation of
-/// H's structure.
+/// An active set method on the dual problem: H is factorised once, and only constraints that the
+/// optimum without them would break are looked at, a few more in each round.
 /// @param tolerance  on the duality gap, relative to the objective's fall from x = 0, which must
-/// lie between the bounds.   Ref: Nocedal and Wright, Numerical Optimization, 16.6.
-QpSolution solve(const SoftQp& qp, double tolerance);
+/// lie between the bounds.
+/// @param multipliers  where to begin, one per constraint; empty: 0.
+/// Ref: Bertsekas, Projected Newton methods for optimization problems with simple constraints
+/// (1982).
+QpSolution solve(const SoftQp& qp, double tolerance, const Eigen::ArrayXd& multipliers = {});
 
 }  // namespace tandem::shortening

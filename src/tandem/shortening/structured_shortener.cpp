@@ -1,36 +1,39 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "tandem/core/contract.h"
 #include "tandem/shortening/input.h"
 #include "tandem/shortening/path_cost.h"
 #include "tandem/shortening/probes.h"
+#include "tandem/shortening/proven_edges.h"
 #include "tandem/shortening/soft_qp.h"
 
 namespace tandem::shortening {
 
-using collision::PairClearance;
 using Eigen::Index, Eigen::VectorXd;
 using motion::JointPath;
 
 namespace {
 
-constexpr double kActivation = 0.03;  // [m] beyond the clearance: pairs a step might bring near.
-constexpr double kDamping = 0.02;     // Of differences between neighbouring steps.
-constexpr double kFirstTrust = 0.3;   // [rad or m] per joint and step,
-constexpr double kMostTrust = 0.6;    // growing to this
-constexpr double kLeastTrust = 1e-4;  // and giving up below this.
+constexpr double kActivation = 0.015;  // [m] beyond the clearance: pairs a step might bring near.
+constexpr double kDamping = 0.02;      // Of differences between neighbouring steps.
+constexpr double kLongestStep = 0.6;   // [rad or m] per joint.
+// What makes steps shorter: added to the Hessian's diagonal, against its mean,
+constexpr double kFirstBrake = 0.05;  // once a step was too long,
+constexpr double kMostBrake = 1e3;    // and giving up beyond this.
 constexpr double kQpTolerance = 3e-2;
 constexpr double kFirstPenalty = 2.0;  // Per clearance lacking; the objective is scaled to 1.
 constexpr double kMostPenalty = 1e3;
 constexpr double kEnough = 2e-2;  // Of the clearance may lack when the search ends.
 constexpr int kMostIterations = 60;
+constexpr int kMostPoints = 15;  // Inside an edge that cannot be proven.
 
 /// A path with everything the merit function knows of it.
 struct Candidate {
   JointPath path;
   std::vector<Waypoint> waypoints;
-  std::vector<NearPairs> near;  ///< By probe.
+  collision::NearShapes near;  ///< By probe.
   double objective = 0;
   double lacking = 0;    ///< Sum over pairs at probes of what the clearance lacks, in clearances.
   double worst = 0;      ///< The largest of them [m].
@@ -44,91 +47,123 @@ struct Candidate {
 /// One run on one path.
 class Search {
  public:
-  Search(const collision::SsvChecker& checker, const world::PairSelection& selection,
+  Search(const collision::BatchChecker& checker, const collision::BatchPairs& pairs,
          const JointPath& reference, const ShorteningOptions& options,
-         collision::CollisionChecker::Scratch& scratch, const StopCondition& stop)
+         collision::BatchChecker::Scratch& scratch, const StopCondition& stop)
       : checker_(checker),
-        selection_(selection),
+        pairs_(pairs),
+        reference_(reference),
         options_(options),
         scratch_(scratch),
         stop_(stop),
         cell_(checker.cell()),
         cost_(cell_, options.weights),
-        probes_(make_probes(checker, selection, reference, options.points_per_edge,
-                            options.clearance, scratch)),
+        points_(options.points_per_edge),
         qp_(cell_.dof(), static_cast<int>(reference.size()) - 2) {
-    result_.evaluations = static_cast<long>(probes_.size());
+    if (points_.empty()) points_.assign(reference.size() - 1, 1);
+    look();
   }
 
-  Shortening run(const JointPath& reference, const JointPath& start);
+  Shortening run(const JointPath& start);
 
  private:
-  Candidate evaluate(JointPath path);
-  void allow_edges(const JointPath& reference);
+  void look();
+  void measure_path(Candidate& at);
+  void measure_distances(Candidate& at);
+  void evaluate(Candidate& at);
+  void allow_edges();
   void linearise(const Candidate& at);
   void add_clearances(const Candidate& at);
   void add_edges(const Candidate& at);
-  void bound_steps(const Candidate& at, double trust);
-  JointPath stepped(const JointPath& path, const VectorXd& x) const;
+  void remember(const Candidate& at, const Eigen::ArrayXd& multipliers);
+  void bound_steps(const Candidate& at);
+  void brake(double by);
+  void step(const JointPath& path, const VectorXd& x, JointPath& next) const;
+  bool prove(Candidate& at);
+  Shortening finish(Candidate& best);
 
-  const collision::SsvChecker& checker_;
-  const world::PairSelection& selection_;
+  const collision::BatchChecker& checker_;
+  const collision::BatchPairs& pairs_;
+  const JointPath& reference_;
   const ShorteningOptions& options_;
-  collision::CollisionChecker::Scratch& scratch_;
+  collision::BatchChecker::Scratch& scratch_;
   const StopCondition& stop_;
   const world::Workcell& cell_;
   PathCost cost_;
+  std::vector<int> points_;  ///< Inside each edge.
   std::vector<Probe> probes_;
   SoftQp qp_;
+  Eigen::ArrayXd multipliers_;  ///< To begin with.
+  double mean_diagonal_ = 0, braked_ = 0;
   double scale_ = 1;            ///< Of the objective: the paper divides by its first value.
   double allowed_squared_ = 0;  ///< Most squared length of an edge; infinity: any.
-  VectorXd positions_;
-  Eigen::MatrixXd gradients_;
-  robot::LinkPoses X_WL_;
+  Eigen::MatrixXd Q_;
+  std::optional<Candidate> proven_;  ///< The best one with proven edges.
   Shortening result_;
 };
 
-Candidate Search::evaluate(JointPath path) {
-  Candidate candidate;
-  candidate.path = std::move(path);
-  candidate.waypoints.resize(candidate.path.size());
-  for (std::size_t i = 0; i < candidate.path.size(); ++i) {
-    cost_.place(candidate.path[i], true, candidate.waypoints[i]);
+/// Chooses the probes anew, and what they must keep. What pushed at the old ones is remembered.
+void Search::look() {
+  std::vector<Probe> probes = make_probes(reference_, points_);
+  require(checker_, pairs_, reference_, options_.clearance, scratch_, probes);
+  auto old = probes_.begin();
+  for (Probe& probe : probes) {
+    const auto before = [](const Probe& a, const Probe& b) {
+      return std::pair(a.edge, a.at) < std::pair(b.edge, b.at);
+    };
+    while (old != probes_.end() && before(*old, probe)) ++old;
+    if (old != probes_.end() && !before(probe, *old)) probe.pushing = std::move(old->pushing);
+  }
+  probes_ = std::move(probes);
+  result_.evaluations += static_cast<long>(probes_.size());
+}
+
+void Search::measure_path(Candidate& at) {
+  at.objective = at.stretched = 0;
+  at.waypoints.resize(at.path.size());
+  for (std::size_t i = 0; i < at.path.size(); ++i) {
+    cost_.place(at.path[i], true, at.waypoints[i]);
     if (i == 0) continue;
-    const Waypoint &from = candidate.waypoints[i - 1], &to = candidate.waypoints[i];
-    candidate.objective += cost_.edge(from, to);
+    const Waypoint &from = at.waypoints[i - 1], &to = at.waypoints[i];
+    at.objective += cost_.edge(from, to);
     if (std::isfinite(allowed_squared_)) {
-      candidate.stretched += std::max(0.0, cost_.squared_length(from, to) / allowed_squared_ - 1);
+      at.stretched += std::max(0.0, cost_.squared_length(from, to) / allowed_squared_ - 1);
     }
   }
-  candidate.near.resize(probes_.size());
+}
+
+void Search::measure_distances(Candidate& at) {
+  at.lacking = at.worst = 0;
+  place_probes(at.path, probes_, Q_);
+  checker_.shape_clearances(Q_, pairs_, options_.clearance + kActivation, scratch_, at.near);
   for (std::size_t k = 0; k < probes_.size(); ++k) {
-    const Probe& probe = probes_[k];
-    checker_.shape_clearances(probe_position(candidate.path, probe), selection_,
-                              probe.required + kActivation, scratch_, candidate.near[k]);
-    for (const PairClearance& pair : candidate.near[k]) {
-      const double lacking =
-          std::max(0.0, probe.required - pair.distance - kEnough * options_.clearance);
-      candidate.lacking += lacking / options_.clearance;
-      candidate.worst = std::max(candidate.worst, lacking);
+    const double enough = probes_[k].required - kEnough * options_.clearance;
+    for (std::size_t i = at.near.first[k]; i < at.near.first[k + 1]; ++i) {
+      const double lacking = std::max(0.0, enough - at.near.clearances[i].distance);
+      at.lacking += lacking / options_.clearance;
+      at.worst = std::max(at.worst, lacking);
     }
   }
   result_.evaluations += static_cast<long>(probes_.size());
-  return candidate;
 }
 
-void Search::allow_edges(const JointPath& reference) {
+void Search::evaluate(Candidate& at) {
+  measure_path(at);
+  measure_distances(at);
+}
+
+void Search::allow_edges() {
   allowed_squared_ = std::numeric_limits<double>::infinity();
   if (!std::isfinite(options_.longest_edge)) return;
   double length = 0;
   Waypoint from, to;
-  cost_.place(reference[0], false, from);
-  for (std::size_t i = 1; i < reference.size(); ++i) {
-    cost_.place(reference[i], false, to);
+  cost_.place(reference_[0], false, from);
+  for (std::size_t i = 1; i < reference_.size(); ++i) {
+    cost_.place(reference_[i], false, to);
     length += std::sqrt(cost_.squared_length(from, to));
     std::swap(from, to);
   }
-  const double mean = length / static_cast<double>(reference.size() - 1);
+  const double mean = length / static_cast<double>(reference_.size() - 1);
   // A path that goes nowhere has nothing to spread.
   if (mean > 0) allowed_squared_ = std::pow(options_.longest_edge * mean, 2);
 }
@@ -148,6 +183,9 @@ void Search::linearise(const Candidate& at) {
     qp_.H.diagonal(b).diagonal().array() += 2 * damping;
     if (b + 1 < count) qp_.H.lower(b).diagonal().array() -= damping;
   }
+  mean_diagonal_ = braked_ = 0;
+  for (int b = 0; b < count; ++b) mean_diagonal_ += qp_.H.diagonal(b).diagonal().mean() / count;
+  bound_steps(at);
   qp_.groups.clear();
   add_clearances(at);
   if (std::isfinite(allowed_squared_)) add_edges(at);
@@ -155,46 +193,67 @@ void Search::linearise(const Candidate& at) {
 
 /// Every near pair keeps what is required, to first order: in units of the clearance.
 void Search::add_clearances(const Candidate& at) {
-  const int count = qp_.H.block_count();
+  const Index dof = cell_.dof();
+  multipliers_.setZero(static_cast<Index>(at.near.clearances.size()));
   for (std::size_t k = 0; k < probes_.size(); ++k) {
-    if (at.near[k].empty()) continue;
+    const std::size_t first = at.near.first[k], end = at.near.first[k + 1];
+    if (first == end) continue;
     const Probe& probe = probes_[k];
-    cell_.forward_kinematics(probe_position(at.path, probe), positions_, X_WL_);
-    const auto pairs = static_cast<Index>(at.near[k].size());
-    gradients_.resize(cell_.dof(), pairs);
-    SoftQp::Group group{probe.edge - 1, {}, {}, VectorXd(pairs)};
-    for (Index i = 0; i < pairs; ++i) {
-      const PairClearance& pair = at.near[k][static_cast<std::size_t>(i)];
-      collision::distance_gradient(cell_, X_WL_, pair, gradients_.col(i));
-      group.bounds[i] = (probe.required - pair.distance) / options_.clearance;
+    const auto count = static_cast<Index>(end - first);
+    SoftQp::Group group{
+        probe.edge - 1, (1 - probe.at) / options_.clearance, probe.at / options_.clearance,
+        Eigen::Map<const Eigen::MatrixXd>(
+            at.near.gradients.data() + first * static_cast<std::size_t>(dof), dof, count),
+        VectorXd(count)};
+    for (std::size_t i = first; i < end; ++i) {
+      group.bounds[static_cast<Index>(i - first)] =
+          (probe.required - at.near.clearances[i].distance) / options_.clearance;
+      const auto pushed = std::ranges::find(probe.pushing, at.near.keys[i],
+                                            &std::pair<std::uint64_t, double>::first);
+      if (pushed != probe.pushing.end()) multipliers_[static_cast<Index>(i)] = pushed->second;
     }
-    gradients_ /= options_.clearance;
-    if (group.block >= 0) group.at_block = (1 - probe.at) * gradients_;
-    if (probe.at > 0 && group.block + 1 < count) group.at_next = probe.at * gradients_;
     qp_.groups.push_back(std::move(group));
   }
 }
 
 /// No edge becomes longer than allowed, to first order.
 void Search::add_edges(const Candidate& at) {
-  const int count = qp_.H.block_count();
   VectorXd at_from, at_to;
   for (int e = 0; e + 1 < static_cast<int>(at.path.size()); ++e) {
     const Waypoint& from = at.waypoints[static_cast<std::size_t>(e)];
     const Waypoint& to = at.waypoints[static_cast<std::size_t>(e) + 1];
     cost_.length_gradient(from, to, at_from, at_to);
-    SoftQp::Group group{e - 1, {}, {}, VectorXd(1)};
+    SoftQp::Group group{e - 1,   -1 / allowed_squared_, -1 / allowed_squared_,
+                        at_from, VectorXd(1),           at_to};
     group.bounds[0] = cost_.squared_length(from, to) / allowed_squared_ - 1;
-    if (group.block >= 0) group.at_block = -at_from / allowed_squared_;
-    if (group.block + 1 < count) group.at_next = -at_to / allowed_squared_;
     qp_.groups.push_back(std::move(group));
   }
+  const Index known = multipliers_.size();
+  multipliers_.conservativeResize(qp_.constraint_count());
+  multipliers_.tail(multipliers_.size() - known).setZero();
 }
 
-void Search::bound_steps(const Candidate& at, double trust) {
+/// Keeps what pushed, for the next program.
+void Search::remember(const Candidate& at, const Eigen::ArrayXd& multipliers) {
+  for (std::size_t k = 0; k < probes_.size(); ++k) {
+    probes_[k].pushing.clear();
+    for (std::size_t i = at.near.first[k]; i < at.near.first[k + 1]; ++i) {
+      const double multiplier = multipliers[static_cast<Index>(i)];
+      if (multiplier > 0) probes_[k].pushing.emplace_back(at.near.keys[i], multiplier);
+    }
+  }
+}
+/// Sets what is added to the diagonal, relative to its mean.
+void Search::brake(double by) {
+  const double added = by * mean_diagonal_ - braked_;
+  for (int b = 0; b < qp_.H.block_count(); ++b) qp_.H.diagonal(b).diagonal().array() += added;
+  braked_ += added;
+}
+
+void Search::bound_steps(const Candidate& at) {
   const Index dof = cell_.dof();
-  qp_.lower.setConstant(qp_.g.size(), -trust);
-  qp_.upper.setConstant(qp_.g.size(), trust);
+  qp_.lower.setConstant(qp_.g.size(), -kLongestStep);
+  qp_.upper.setConstant(qp_.g.size(), kLongestStep);
   if (!options_.joint_limits) return;
   constexpr double kInside = 1e-6;  // [rad or m] at a limit: what the search needs to begin.
   for (Index b = 0; b < qp_.H.block_count(); ++b) {
@@ -206,8 +265,8 @@ void Search::bound_steps(const Candidate& at, double trust) {
   }
 }
 
-JointPath Search::stepped(const JointPath& path, const VectorXd& x) const {
-  JointPath next = path;
+void Search::step(const JointPath& path, const VectorXd& x, JointPath& next) const {
+  next = path;
   const Index dof = cell_.dof();
   for (std::size_t i = 1; i + 1 < path.size(); ++i) {
     next[i] += x.segment(static_cast<Index>(i - 1) * dof, dof);
@@ -218,45 +277,42 @@ JointPath Search::stepped(const JointPath& path, const VectorXd& x) const {
                     .cwiseMin(cell_.upper().cwiseMax(path[i]));
     }
   }
-  return next;
 }
 
-Shortening Search::run(const JointPath& reference, const JointPath& start) {
-  allow_edges(reference);
-  Candidate best = evaluate(reference);
-  result_.before = best.objective;
-  if (best.objective > 0) scale_ = 1 / best.objective;
-  if (&start != &reference) best = evaluate(start);
-  double penalty = kFirstPenalty, trust = kFirstTrust;
-  bool fresh = true;
-  while (result_.iterations < kMostIterations && trust >= kLeastTrust) {
-    if (stop_()) {
-      result_.stopped = true;
-      break;
+/// Keeps a path whose edges are proven; of one whose edges are not, looks closer at these.
+/// @return whether there is more to look at.
+bool Search::prove(Candidate& at) {
+  const std::vector<int> open = unproven_edges(checker_, pairs_, at.path, scratch_, stop_);
+  if (open.empty()) {
+    if (!proven_ || at.objective < proven_->objective) proven_ = at;
+    return false;
+  }
+  bool closer = false;
+  for (const int edge : open) {
+    int& inside = points_[static_cast<std::size_t>(edge)];
+    if (2 * inside + 1 > kMostPoints) continue;
+    inside = 2 * inside + 1;
+    closer = true;
+  }
+  if (!closer) return false;
+  look();
+  measure_distances(at);
+  return true;
+}
+
+Shortening Search::finish(Candidate& best) {
+  if (options_.prove_edges && !(proven_ && proven_->path == best.path)) {
+    const JointPath& safe = proven_ ? proven_->path : reference_;
+    Candidate back;
+    back.path = best.path;
+    const int moved = draw_back(checker_, pairs_, safe, back.path, scratch_, stop_);
+    evaluate(back);
+    if (!proven_ || back.objective < proven_->objective) {
+      result_.drawn_back = moved;
+      best = std::move(back);
+    } else {
+      best = std::move(*proven_);
     }
-    ++result_.iterations;
-    if (fresh) linearise(best);
-    bound_steps(best, trust);
-    qp_.penalty = penalty;
-    const QpSolution step = solve(qp_, kQpTolerance);
-    const double foreseen =
-        qp_.value(VectorXd::Zero(step.x.size()), kEnough) - qp_.value(step.x, kEnough);
-    const double now = best.merit(scale_, penalty);
-    // Neither the model sees a way down, or it is not worth a step.
-    const bool small = foreseen < 0.5 * options_.tolerance * now;
-    Candidate next = small ? Candidate{} : evaluate(stepped(best.path, step.x));
-    const double fall = small ? 0 : now - next.merit(scale_, penalty);
-    fresh = fall > 0.05 * foreseen && !small;
-    if (fresh) best = std::move(next);
-    if (small || (fall >= 0 && fall < options_.tolerance * now)) {
-      const bool clear = best.worst == 0 && best.stretched <= kEnough;
-      if (clear || penalty >= kMostPenalty) break;
-      penalty *= 8;
-      trust = std::max(trust, 0.1 * kFirstTrust);
-      continue;
-    }
-    if (fall < 0.25 * foreseen) trust *= fresh ? 0.5 : 0.3;
-    if (fall > 0.75 * foreseen) trust = std::min(2 * trust, kMostTrust);
   }
   result_.path = std::move(best.path);
   result_.after = best.objective;
@@ -264,16 +320,75 @@ Shortening Search::run(const JointPath& reference, const JointPath& start) {
   return std::move(result_);
 }
 
+Shortening Search::run(const JointPath& start) {
+  allow_edges();
+  Candidate best, next;
+  best.path = reference_;
+  evaluate(best);
+  result_.before = best.objective;
+  if (best.objective > 0) scale_ = 1 / best.objective;
+  if (&start != &reference_) {
+    best.path = start;
+    evaluate(best);
+  }
+  double penalty = kFirstPenalty, slow = 0;
+  bool fresh = true;
+  while (result_.iterations < kMostIterations && slow <= kMostBrake) {
+    if (stop_()) {
+      result_.stopped = true;
+      break;
+    }
+    ++result_.iterations;
+    if (fresh) linearise(best);
+    brake(slow);
+    qp_.penalty = penalty;
+    const QpSolution solution = solve(qp_, kQpTolerance, multipliers_);
+    const double foreseen =
+        qp_.value(VectorXd::Zero(solution.x.size()), kEnough) - qp_.value(solution.x, kEnough);
+    const double now = best.merit(scale_, penalty);
+    // Neither the model sees a way down, or it is not worth a step.
+    const bool small = foreseen < 0.5 * options_.tolerance * now;
+    double fall = 0;
+    if (!small) {
+      step(best.path, solution.x, next.path);
+      evaluate(next);
+      fall = now - next.merit(scale_, penalty);
+    }
+    fresh = fall > 0.05 * foreseen && !small;
+    if (fresh) {
+      remember(best, solution.multipliers);
+      std::swap(best, next);
+    }
+    const bool at_rest = small || (fall >= 0 && fall < options_.tolerance * now);
+    if (options_.prove_edges && (fresh || at_rest) && prove(best)) {
+      fresh = true;
+      slow = std::min(slow, kFirstBrake);
+      continue;
+    }
+    if (at_rest) {
+      const bool clear = best.worst == 0 && best.stretched <= kEnough;
+      if (clear || penalty >= kMostPenalty) break;
+      penalty *= 8;
+      slow = std::min(slow, kFirstBrake);
+      continue;
+    }
+    if (fall < 0.25 * foreseen) slow = std::max(kFirstBrake, (fresh ? 2 : 6) * slow);
+    if (fall > 0.75 * foreseen) slow = slow > kFirstBrake ? slow / 4 : 0;
+  }
+  return finish(best);
+}
+
 class StructuredShortener final : public Shortener {
  public:
-  Shortening shorten(const collision::SsvChecker& checker, const world::PairSelection& selection,
+  Shortening shorten(const collision::CompiledCell& compiled, const world::PairScope& scope,
                      const JointPath& path, const ShorteningOptions& options,
-                     collision::CollisionChecker::Scratch& scratch, const StopCondition& stop,
-                     const JointPath* start) const override {
-    check_input(checker.cell(), path, options, start);
-    if (path.size() == 2) return unchanged(checker.cell(), path, options);
-    return Search(checker, selection, path, options, scratch, stop)
-        .run(path, start ? *start : path);
+                     const StopCondition& stop, const JointPath* start) const override {
+    check_input(compiled.cell(), path, options, start);
+    if (path.size() == 2) return unchanged(compiled.cell(), path, options);
+    const auto pairs = pairs_within(compiled, scope, options.clearance);
+    const auto scratch = compiled.batch().make_scratch();
+    return Search(compiled.batch(), *pairs, path, options, *scratch, stop)
+        .run(start ? *start : path);
   }
 };
 

@@ -25,19 +25,18 @@ constexpr double kConstraintTolerance = 1e-6;  // Of scaled constraints.
 class Problem {
  public:
   Problem(const collision::SsvChecker& checker, const world::PairSelection& selection,
-          const JointPath& path, const ShorteningOptions& options,
-          collision::CollisionChecker::Scratch& scratch, const StopCondition& stop)
+          const JointPath& path, const ShorteningOptions& options, std::vector<Probe> probes,
+          const StopCondition& stop)
       : checker_(checker),
         cell_(checker.cell()),
         selection_(selection),
         options_(options),
-        scratch_(scratch),
+        scratch_(checker.make_scratch()),
         stop_(stop),
         cost_(cell_, options.weights),
         path_(path),
         placed_(path.size()),
-        probes_(make_probes(checker, selection, path, std::vector<int>(path.size() - 1, 0),
-                            options.clearance, scratch)),
+        probes_(std::move(probes)),
         length_limit_(longest_edge(path)) {
     scale_ = objective(nullptr);
   }
@@ -86,7 +85,7 @@ class Problem {
   const world::Workcell& cell_;
   const world::PairSelection& selection_;
   const ShorteningOptions& options_;
-  collision::CollisionChecker::Scratch& scratch_;
+  std::unique_ptr<collision::CollisionChecker::Scratch> scratch_;
   const StopCondition& stop_;
   PathCost cost_;
   JointPath path_;
@@ -145,7 +144,7 @@ void Problem::clearance_row(std::size_t waypoint, Index row, VectorXd& values,
                             RowMatrix* jacobian) {
   const auto distance = [&] {
     ++evaluations_;
-    return checker_.least_clearance(path_[waypoint], selection_, scratch_);
+    return checker_.least_clearance(path_[waypoint], selection_, *scratch_);
   };
   const collision::PairClearance nearest = distance();
   if (nearest.pair < 0) {
@@ -234,15 +233,20 @@ void Problem::nlopt_constraints(unsigned m, double* result, unsigned n, const do
 
 class SlsqpShortener final : public Shortener {
  public:
-  Shortening shorten(const collision::SsvChecker& checker, const world::PairSelection& selection,
+  Shortening shorten(const collision::CompiledCell& compiled, const world::PairScope& scope,
                      const JointPath& path, const ShorteningOptions& options,
-                     collision::CollisionChecker::Scratch& scratch, const StopCondition& stop,
-                     const JointPath* start) const override {
-    const world::Workcell& cell = checker.cell();
+                     const StopCondition& stop, const JointPath* start) const override {
+    const world::Workcell& cell = compiled.cell();
     check_input(cell, path, options, start);
-    expects(options.points_per_edge.empty(), "SLSQP looks at waypoints only");
+    expects(options.points_per_edge.empty() && !options.prove_edges,
+            "SLSQP looks at waypoints only");
     if (path.size() == 2) return unchanged(cell, path, options);
-    Problem problem(checker, selection, path, options, scratch, stop);
+    std::vector<Probe> probes = make_probes(path, std::vector<int>(path.size() - 1, 0));
+    const auto scratch = compiled.batch().make_scratch();
+    require(compiled.batch(), *pairs_within(compiled, scope, options.clearance), path,
+            options.clearance, *scratch, probes);
+    Problem problem(compiled.exact(), compiled.selection(scope), path, options, std::move(probes),
+                    stop);
     nlopt::opt solver(nlopt::LD_SLSQP, static_cast<unsigned>(problem.dimension()));
     solver.set_min_objective(&Problem::nlopt_objective, &problem);
     solver.add_inequality_mconstraint(
