@@ -141,7 +141,7 @@ TEST_P(CoordinatorConformance, AlternativesAreGoodSchedulesInOrder) {
     EXPECT_TRUE(same_bits(some->front(), *coordinate(c)));
     for (std::size_t k = 0; k < some->size(); ++k) {
       expect_good(c, (*some)[k]);
-      if (k == 0) continue;
+      if (k < 2) continue;  // The first is what coordinate() takes, however good.
       EXPECT_GE((*some)[k].makespan(), (*some)[k - 1].makespan() - 1e-12);
     }
   }

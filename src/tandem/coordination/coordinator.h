@@ -45,9 +45,10 @@ class Coordinator {
   virtual Result<Schedule> coordinate(const CoordinationProblem& problem, std::uint64_t seed,
                                       const StopCondition& stop) const = 0;
 
-  /// Up to `most` schedules (> 0) that lead around what blocks on different sides, least makespan
-  /// first: when stops take time, the first need not be the best. At least one, or the error of
-  /// coordinate(). Unless an implementation knows more, it is the one of coordinate().
+  /// Up to `most` schedules (> 0) that lead around what blocks on different sides: that of
+  /// coordinate(), then others, least makespan first. When stops take time, the first need not be
+  /// the best. At least one, or the error of coordinate(). Unless an implementation knows more,
+  /// one.
   virtual Result<std::vector<Schedule>> alternatives(const CoordinationProblem& problem, int most,
                                                      std::uint64_t seed,
                                                      const StopCondition& stop) const;

@@ -1,0 +1,242 @@
+#include "tandem/coordination/diagram_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tandem/coordination/raster.h"
+#include "tandem/coordination/taut_way.h"
+#include "tandem/core/contract.h"
+
+namespace tandem::coordination {
+
+namespace {
+
+/// One call of find_way().
+class WaySearch {
+ public:
+  WaySearch(CoordinationDiagram& diagram, const SearchOptions& options,
+            std::span<const Barrier> barriers, const StopCondition& stop)
+      : diagram_(diagram),
+        options_(options),
+        barriers_(barriers),
+        stop_(stop),
+        taut_(diagram, options, barriers) {}
+
+  SearchResult run();
+
+ private:
+  bool is_straight();
+  void try_sequences();
+  bool narrow();
+  void take_proven(const Raster& raster);
+  bool divide_between(const Raster& raster, const std::vector<int>& from_start, Passage passage,
+                      double most);
+  void polish(DiagramWay& way);
+  bool divide_at_bends(const DiagramWay& way);
+
+  CoordinationDiagram& diagram_;
+  const SearchOptions& options_;
+  std::span<const Barrier> barriers_;
+  const StopCondition& stop_;
+  TautWay taut_;
+  SearchResult result_;
+  double unit_ = 0;  // [s] The shorter one.
+  int size_ = 1;     // Of what is open at most.
+};
+
+bool WaySearch::is_straight() {
+  if (!barriers_.empty()) return false;
+  const HalfLine line = *Lines({0, 0}, diagram_.goal()).begin();
+  if (!diagram_.is_line_free(line, 1)) return false;
+  result_.way = DiagramWay{{{0, 0}, diagram_.goal()},
+                           std::max(diagram_.x().duration(), diagram_.y().duration())};
+  return true;
+}
+
+/// Takes the shortest way over proven squares, if it is shorter than what is known.
+void WaySearch::take_proven(const Raster& raster) {
+  const auto left = raster.steps(Passage::kProven, false, options_.monotone);
+  if (left.front() < 0) return;
+  if (result_.way && left.front() * unit_ > result_.way->length * (1 + options_.gap)) return;
+  std::vector<GridPoint> points;
+  for (const int node : raster.descend(left, Passage::kProven, options_.monotone)) {
+    points.push_back(raster.point(node));
+  }
+  auto way = taut_.pull_steps(points, raster.size());
+  polish(way);
+  if (!result_.way || way.length < result_.way->length) result_.way = std::move(way);
+}
+
+/// Divides the open cells on ways of this kind of up to `most` steps.
+/// @return false if it was stopped.
+bool WaySearch::divide_between(const Raster& raster, const std::vector<int>& from_start,
+                               Passage passage, double most) {
+  const auto to_goal = raster.steps(passage, false, options_.monotone);
+  const auto is_between = [&](const CoordinationDiagram::Cell& c) {
+    const int last_column = (c.x1 - 1) / size_ + 1, last_row = (c.y1 - 1) / size_ + 1;
+    for (int row = c.y0 / size_; row <= last_row; ++row) {
+      for (int column = c.x0 / size_; column <= last_column; ++column) {
+        const auto node = static_cast<std::size_t>(raster.node(column, row));
+        if (from_start[node] >= 0 && to_goal[node] >= 0 &&
+            from_start[node] + to_goal[node] <= most) {
+          return true;
+        }
+      }
+    }
+    return false;
+  };
+  const int count = static_cast<int>(diagram_.cells().size());
+  for (int leaf = 0; leaf < count; ++leaf) {
+    if (!diagram_.at(leaf).is_leaf() || !diagram_.is_divisible(leaf, size_ / 2)) continue;
+    if (is_between(diagram_.at(leaf)) && !diagram_.resolve(size_ / 2, stop_, leaf)) return false;
+  }
+  return true;
+}
+
+/// Looks at the present size, and halves it where that may pay.
+/// @return whether there is more to find.
+bool WaySearch::narrow() {
+  const Raster raster(diagram_, size_, barriers_);
+  take_proven(raster);
+  Passage passage = Passage::kLikely;
+  auto from_start = raster.steps(passage, true, options_.monotone);
+  const double step = size_ * unit_;  // [s]
+  double most = std::numeric_limits<double>::infinity();
+  if (result_.way) {
+    if (from_start.back() < 0) return false;
+    const double target = result_.way->length * (1 - options_.gap);
+    if (target <= (from_start.back() - 1) * step) return false;
+    most = target / step + 1;
+  } else if (from_start.back() >= 0) {
+    most = from_start.back() * (1 + options_.gap) + 1;
+  } else {
+    passage = Passage::kPossible;
+    from_start = raster.steps(passage, true, options_.monotone);
+    result_.is_separated = from_start.back() < 0;
+    if (result_.is_separated) return false;
+  }
+  if (size_ == 1) return false;
+  result_.is_stopped = !divide_between(raster, from_start, passage, most);
+  if (result_.is_stopped) return false;
+  size_ /= 2;
+  return true;
+}
+
+/// Divides open cells that the way bends around, where that may shorten it by something.
+bool WaySearch::divide_at_bends(const DiagramWay& way) {
+  const double worth = 0.1 * options_.gap * way.length / static_cast<double>(way.points.size());
+  bool divided = false;
+  for (std::size_t k = 1; k + 1 < way.points.size(); ++k) {
+    const auto [x, y] = way.points[k];
+    for (const auto& [px, py] : {std::pair{x, y}, {x - 1, y}, {x, y - 1}, {x - 1, y - 1}}) {
+      const int leaf = diagram_.leaf_at(px, py);
+      if (leaf < 0 || !diagram_.is_divisible(leaf)) continue;
+      const int size = diagram_.at(leaf).size();
+      if (size * unit_ < worth) continue;
+      diagram_.resolve(std::max(1, size / 4), {}, leaf);
+      divided = true;
+    }
+  }
+  return divided;
+}
+
+/// Divides open cells at the bends of the way and pulls it taut again, as long as that helps.
+void WaySearch::polish(DiagramWay& way) {
+  constexpr int kMostRounds = 16;
+  for (int round = 0; round < kMostRounds && !stop_(); ++round) {
+    if (!divide_at_bends(way)) return;
+    way = taut_.pull(way.points, size_);
+  }
+}
+
+/// One track after the other, in case that is shorter than what was found: nobody shall be slower.
+void WaySearch::try_sequences() {
+  const GridPoint goal = diagram_.goal();
+  const double length = diagram_.x().duration() + diagram_.y().duration();
+  if (!barriers_.empty() || result_.is_separated || result_.is_stopped) return;
+  if (result_.way && result_.way->length <= length) return;
+  for (const GridPoint corner : {GridPoint{goal.x, 0}, GridPoint{0, goal.y}}) {
+    bool is_free = true;
+    for (const auto& [a, b] : {std::pair{GridPoint{}, corner}, std::pair{corner, goal}}) {
+      // Of the two lines beside a border one is inside.
+      const Lines lines(a, b);
+      const HalfLine& line = *lines.begin();
+      const bool inside = line.ax <= 2 * goal.x && line.ay <= 2 * goal.y;
+      is_free = is_free && diagram_.is_line_free(inside ? line : lines.line[1], 1);
+    }
+    if (!is_free) continue;
+    result_.way = DiagramWay{{{0, 0}, corner, goal}, length};
+    return;
+  }
+}
+
+SearchResult WaySearch::run() {
+  unit_ = std::min(diagram_.unit_x(), diagram_.unit_y());
+  if (stop_()) return {{}, false, true};
+  if (is_straight()) return result_;
+  const int most = std::max(diagram_.goal().x, diagram_.goal().y);
+  while (2 * size_ <= most && 2 * size_ * unit_ <= options_.coarse) size_ *= 2;
+  if (!diagram_.resolve(size_, stop_)) return {{}, false, true};
+  while (narrow()) {
+  }
+  try_sequences();
+  return result_;
+}
+
+/// The diagonal from a bend outwards to what is not free, or to the border.
+Barrier barrier_at(const CoordinationDiagram& diagram, GridPoint bend) {
+  const auto is_free = [&](int x, int y) {
+    const int leaf = diagram.leaf_at(x, y);
+    return leaf >= 0 && diagram.at(leaf).state == CellState::kFree;
+  };
+  // Away from the first quadrant that is not free.
+  int dx = -1, dy = -1;
+  for (const auto& [x, y] : {std::pair{0, 0}, {-1, 0}, {0, -1}, {-1, -1}}) {
+    if (is_free(bend.x + x, bend.y + y)) continue;
+    dx = x == 0 ? -1 : 1;
+    dy = y == 0 ? -1 : 1;
+    break;
+  }
+  GridPoint end = bend;
+  while (is_free(end.x + std::min(dx, 0), end.y + std::min(dy, 0))) {
+    end.x += dx;
+    end.y += dy;
+  }
+  return {bend, end};
+}
+
+bool is_same(const DiagramWay& a, const DiagramWay& b) { return a.points == b.points; }
+
+}  // namespace
+
+SearchResult find_way(CoordinationDiagram& diagram, const SearchOptions& options,
+                      std::span<const Barrier> barriers, const StopCondition& stop) {
+  expects(options.gap >= 0 && options.gap < 1, "the gap is a part of the length");
+  expects(options.coarse > 0, "the coarse size is positive");
+  return WaySearch(diagram, options, barriers, stop).run();
+}
+
+std::vector<DiagramWay> find_ways(CoordinationDiagram& diagram, const SearchOptions& options,
+                                  int most, const StopCondition& stop) {
+  expects(most > 0, "at least one way is asked for");
+  auto first = find_way(diagram, options, {}, stop);
+  if (!first.way) return {};
+  std::vector<DiagramWay> ways{std::move(*first.way)};
+  // One bend's barrier after the other: each closes the side on which the way passes there.
+  const std::vector<GridPoint> bends(ways[0].points.begin() + 1, ways[0].points.end() - 1);
+  for (const GridPoint bend : bends) {
+    if (static_cast<int>(ways.size()) >= most || stop()) break;
+    const Barrier barrier = barrier_at(diagram, bend);
+    auto other = find_way(diagram, options, {&barrier, 1}, stop);
+    if (!other.way) continue;
+    if (std::ranges::any_of(ways, [&](const DiagramWay& w) { return is_same(w, *other.way); })) {
+      continue;
+    }
+    ways.push_back(std::move(*other.way));
+  }
+  std::sort(ways.begin() + 1, ways.end(),
+            [](const DiagramWay& a, const DiagramWay& b) { return a.length < b.length; });
+  return ways;
+}
+
+}  // namespace tandem::coordination
