@@ -49,6 +49,8 @@ class PartsCertifier {
   Certificate& part_of(const Interval& interval) {
     return parts_[static_cast<std::size_t>(interval.part)];
   }
+  /// How much clearance is worth proving, by what has been sampled so far [m].
+  double keep() const { return options_.clearance_ratio * std::max(0.0, least_sampled_); }
   void begin(std::span<const double> times);
   static void divide(const Interval& interval, int pieces, std::vector<Interval>& into);
   void examine(std::span<const Interval> block);
@@ -131,7 +133,9 @@ void PartsCertifier::settle(const Interval& interval, std::size_t lane) {
     part.time = interval.middle();
   }
   if ((found.open & bit) == 0) return;
-  const float excess = found.excess.lane[lane];
+  // What was asked to keep more than has to be kept by now says nothing about how long it may be.
+  const bool stale = work_.keep > 1.001F * static_cast<float>(keep());
+  const float excess = stale ? 1 : found.excess.lane[lane];
   const bool smallest =
       !(D_.col(static_cast<Eigen::Index>(lane)).maxCoeff() > options_.smallest_deviation);
   if ((found.hopeless & bit) != 0 || smallest || excess > kMostExcess || placed_ > kMostIntervals) {
@@ -150,8 +154,7 @@ void PartsCertifier::examine(std::span<const Interval> block) {
   work_.D = D_.data();
   work_.stride = work_.D_stride = Q_.rows();
   work_.count = static_cast<int>(block.size());
-  // The least distance of any sample sets how much clearance is worth proving.
-  work_.keep = static_cast<float>(options_.clearance_ratio * std::max(0.0, least_sampled_));
+  work_.keep = static_cast<float>(keep());
   examine_boxes(pairs_, items_, true, work_);
   placed_ += work_.count;
   for (std::size_t i = 0; i < block.size(); ++i) {
