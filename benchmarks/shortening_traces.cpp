@@ -24,13 +24,13 @@ namespace {
 constexpr double kScale = 260;             // [px/m]
 constexpr double kWidth = 190, kTop = 60;  // [px] of a column, and above the panels.
 
-/// One phase seen along one axis: curves, and a dot per waypoint.
+/// One phase seen along one axis, y to the left: curves, and a dot per waypoint.
 struct Panel {
-  int across, up;     ///< Entries of p_WE drawn to the right and upwards.
+  int across, up;     ///< Entries of p_WE drawn to the left and upwards.
   double left, base;  ///< [px] where the low corner of the box is drawn.
-  Eigen::Vector3d low;
+  Eigen::Vector3d low, high;
 
-  double x(const Eigen::Vector3d& p) const { return left + kScale * (p[across] - low[across]); }
+  double x(const Eigen::Vector3d& p) const { return left + kScale * (high[across] - p[across]); }
   double y(const Eigen::Vector3d& p) const { return base - kScale * (p[up] - low[up]); }
 };
 
@@ -93,8 +93,8 @@ int print_traces(const std::shared_ptr<const world::Workcell>& cell, std::string
     std::printf(
         "<text x='%.0f' y='24'>%s</text>\n<text x='%.0f' y='42' fill='#666'>%zu waypoints</text>\n",
         left, title.c_str(), left, phase.path.size());
-    draw({1, 0, left, above, low}, *cell, phase.path);
-    draw({1, 2, left, side, low}, *cell, phase.path);
+    draw({1, 0, left, above, low, high}, *cell, phase.path);
+    draw({1, 2, left, side, low, high}, *cell, phase.path);
     left += column;
   }
   std::printf("</svg>\n");
