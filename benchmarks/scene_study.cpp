@@ -38,7 +38,7 @@ double seconds(const std::function<void()>& work) {
 
 tandem::world::ObstacleSpec random_box(tandem::Rng& rng, const std::string& name, double size) {
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
-  X.translation() = {rng.uniform(-2, 2), rng.uniform(-2, 2), rng.uniform(-0.5, 1.5)};
+  X.translation() = Eigen::Vector3d(rng.uniform(-2, 2), rng.uniform(-2, 2), rng.uniform(-0.5, 1.5));
   X.linear() = Eigen::AngleAxisd(rng.uniform(-3, 3), Eigen::Vector3d::UnitZ()).matrix();
   tandem::world::ObstacleSpec obstacle;
   obstacle.name = name;
