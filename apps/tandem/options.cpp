@@ -14,12 +14,15 @@
 
 namespace tandem::app {
 
+using coordination::Interpolation;
 using pipeline::Preset;
 using pipeline::Strategy;
 
 namespace {
 
-constexpr Strategy kStrategies[] = {Strategy::kCentralized};
+constexpr Strategy kStrategies[] = {Strategy::kCentralized, Strategy::kDecoupled, Strategy::kAuto};
+constexpr Interpolation kInterpolations[] = {Interpolation::kLinear, Interpolation::kCubic,
+                                             Interpolation::kQuintic};
 constexpr Preset kPresets[] = {Preset::kDefault, Preset::kPaper};
 
 template <class Values>
@@ -117,6 +120,7 @@ void PlanningOptions::add_to(CLI::App& command) {
   const char* group = "Planning options";
   preset = to_string(values.preset);
   strategy = to_string(values.strategy);
+  interpolation = to_string(values.interpolation);
   command
       .add_option("--preset", preset,
                   "default: the fastest that keeps every promise;\n"
@@ -127,10 +131,20 @@ void PlanningOptions::add_to(CLI::App& command) {
       ->group(group);
   command
       .add_option("--strategy", strategy,
-                  "centralized: all arms together, as one robot with all their joints")
+                  "centralized: all arms together, as one robot with all their joints;\n"
+                  "decoupled: each arm alone at the same time, then their motions coordinated;\n"
+                  "auto: decoupled, and centralized where the arms hinder each other")
       ->type_name("NAME")
       ->capture_default_str()
       ->check(one_of(names_of(kStrategies)))
+      ->group(group);
+  command
+      .add_option("--interpolation", interpolation,
+                  "How the preset paper runs through coordinated places: linear makes\n"
+                  "velocities jump, which is an error")
+      ->type_name("NAME")
+      ->capture_default_str()
+      ->check(one_of(names_of(kInterpolations)))
       ->group(group);
   command
       .add_flag("!--no-plpp", values.plpp,
@@ -152,6 +166,7 @@ pipeline::PlanOptions PlanningOptions::with(std::stop_token token) const {
   pipeline::PlanOptions options = values;
   options.preset = named(kPresets, preset);
   options.strategy = named(kStrategies, strategy);
+  options.interpolation = named(kInterpolations, interpolation);
   options.token = std::move(token);
   return options;
 }

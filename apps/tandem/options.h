@@ -23,9 +23,9 @@ struct CellOptions {
   Result<std::shared_ptr<const world::Workcell>> load() const;
 };
 
-/// --preset, --strategy, --seed, --deadline: the same everywhere.
+/// --preset, --strategy, --interpolation, --seed, --deadline: the same everywhere.
 struct PlanningOptions {
-  std::string preset, strategy;
+  std::string preset, strategy, interpolation;
   pipeline::PlanOptions values;
 
   void add_to(CLI::App& command);

@@ -27,7 +27,7 @@ class Help(CommandLine):
         blocks = {re.search(r"Planning options:\n.*?\n\n", self.ok(name, "--help").out, re.S)[0]
                   for name in ("plan", "bench")}
         self.assertEqual(len(blocks), 1)
-        for option in ("--preset", "--strategy", "--seed", "--deadline"):
+        for option in ("--preset", "--strategy", "--interpolation", "--seed", "--deadline"):
             self.assertIn(option, blocks.copy().pop())
 
     def test_examples_use_options_that_exist(self):
@@ -54,6 +54,8 @@ class Usage(CommandLine):
                 (("plan", CELL, "swing", "--sede", "1"), "--sede"),
                 (("plan", CELL, "swing", "--preset", "papper"), "did you mean 'paper'?"),
                 (("plan", CELL, "swing", "--strategy", "fast"), "centralized"),
+                (("plan", CELL, "swing", "--strategy", "decopled"), "did you mean 'decoupled'?"),
+                (("plan", CELL, "swing", "--interpolation", "septic"), "quintic"),
                 (("plan", CELL, "swing", "--seed", "-1"), "'-1' is not a whole number from 0"),
                 (("plan", CELL, "swing", "--seed", "1.5"), "'1.5' is not a whole number"),
                 (("plan", CELL, "swing", "--deadline", "0"), "'0' is not a number above 0"),

@@ -29,6 +29,15 @@ class Bench(CommandLine):
         self.ok("bench", CELL, "--json", "b.json", "--force", "--preset", "paper")
         self.assertEqual(json.loads((self.folder / "b.json").read_text())["preset"], "paper")
 
+    def test_arms_apart(self):
+        done = self.ok("bench", CELL, "--strategy", "decoupled", "--json", "b.json")
+        self.assertIn("strategy decoupled", done.out)
+        bench = json.loads((self.folder / "b.json").read_text())
+        self.assertEqual(bench["success"], bench["queries"])
+        for arm in bench["arms"].values():
+            self.assertGreater(arm["times_ms"]["total"]["mean"], 0)
+        self.assertGreater(bench["times_ms"]["coordination"]["mean"], 0)
+
     def test_failures_are_a_result_and_are_explained(self):
         done = self.ok("bench", CELL, "--cycles", "2", "--deadline", "1e-9", "--json", "b.json")
         self.assertIn("timeout 4", done.out)
@@ -226,8 +235,10 @@ class Gearbox(CommandLine):
             with self.subTest(query["name"]):
                 self.assertTrue(query["feasible"], query)
                 file = query["name"].replace("/", "_") + ".json"
-                self.ok("plan", self.CELL, query["name"], "-o", file)
-                self.ok("verify", file, "--rate", "250")
+                for strategy in ("centralized", "decoupled"):
+                    self.ok("plan", self.CELL, query["name"], "--strategy", strategy, "-o", file,
+                            "--force")
+                    self.ok("verify", file, "--rate", "250")
 
     def test_commands_of_the_readme_do_what_they_say(self):
         (self.folder / "scenarios").symlink_to(SOURCE / "scenarios")

@@ -109,6 +109,23 @@ TEST(BenchJson, CountsRunsAndMeasuresSuccessesOnly) {
   EXPECT_EQ(j["per_query"]["place"]["rungs"]["rest_to_rest"], 1);
 }
 
+TEST(BenchJson, HasTheTimesOfEachArmWhereArmsArePlannedAlone) {
+  BenchResult result = sample();
+  EXPECT_FALSE(json::parse(bench_json(result))["arms"]["left"].contains("times_ms"));
+  result.runs[0].report.arm_times.resize(2);
+  result.runs[0].report.arm_times[1].plpp = 0.003;
+  result.runs[2].report.arm_times.resize(2);
+  result.runs[2].report.arm_times[1].plpp = 0.001;
+  const json j = json::parse(bench_json(result));
+  EXPECT_EQ(j["arms"]["left"]["times_ms"]["plpp"]["max"], 0);
+  EXPECT_NEAR(j["arms"]["right"]["times_ms"]["plpp"]["mean"].get<double>(), 2.0, 1e-12);
+  EXPECT_EQ(keys(j["arms"]["left"]["times_ms"]), keys(j["times_ms"]));
+  EXPECT_NEAR(j["per_query"]["place"]["arms"]["right"]["times_ms"]["plpp"]["p50"].get<double>(),
+              1.0, 1e-12);
+  EXPECT_NE(bench_table(result).find("\n  right                2.000"), std::string::npos)
+      << bench_table(result);
+}
+
 TEST(BenchJson, EveryFailureCodeIsCounted) {
   const std::vector<std::pair<ErrorCode, const char*>> kinds = {
       {ErrorCode::kInfeasible, "planning"}, {ErrorCode::kNoPath, "planning"},

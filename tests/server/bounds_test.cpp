@@ -71,6 +71,8 @@ TEST_F(BoundsTest, MalformedRequestsSayWhatIsWrong) {
       {"/api/plan", R"({"query":"cross","seed":1.5})", "seed is 1.5, expected a whole number"},
       {"/api/plan", R"({"query":"cross","preset":"papper"})",
        R"(preset is "papper", expected "default" or "paper")"},
+      {"/api/plan", R"({"query":"cross","strategy":"apart"})",
+       R"(strategy is "apart", expected "centralized", "decoupled" or "auto")"},
       {"/api/plan", R"({"query":"cross","deadline":0})", "deadline is 0, expected a number from"},
       {"/api/plan", R"({"query":"cross","deadline":"5"})", "deadline is \"5\", expected a number"},
       {"/api/plan", R"({"query":"cross","deadline":null})", "deadline is null"},

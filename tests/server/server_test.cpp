@@ -175,8 +175,9 @@ TEST_F(ServerTest, QueriesHaveTheirEnds) {
 
 TEST_F(ServerTest, PlansAQueryAsTheLibraryDoes) {
   start();
-  const json answer =
-      post("/api/plan", R"({"query":"cross","seed":3,"preset":"default","deadline":20})");
+  const json answer = post(
+      "/api/plan",
+      R"({"query":"cross","seed":3,"preset":"default","strategy":"centralized","deadline":20})");
   ASSERT_FALSE(answer.contains("error")) << answer;
   const auto plan = pipeline::plan(cell_, cell_->query("cross"), {.seed = 3, .deadline = 20.0});
   ASSERT_TRUE(plan) << plan.error().message;

@@ -19,6 +19,7 @@ export interface PlanRequest {
   goal?: number[];
   seed: number;
   preset: string;
+  strategy: string;
   deadline: number;
 }
 

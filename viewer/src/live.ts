@@ -31,6 +31,7 @@ export class LivePanel {
   private readonly seed = el('input', { type: 'number', min: 0, step: 1, value: 1 });
   private readonly deadline = el('input', { type: 'number', min: 0.1, max: 60, step: 0.1, value: 5 });
   private readonly preset = select('Preset', [['default', 'default'], ['paper', 'paper']], 'default', () => {});
+  private readonly strategy = select('Strategy', [['centralized', 'all arms together'], ['decoupled', 'each arm alone'], ['auto', 'auto']], 'centralized', () => {});
   private readonly fromHere: HTMLLabelElement;
   private query: string | null;
   private start: number[] | null = null;
@@ -65,7 +66,7 @@ export class LivePanel {
       el('div', { class: 'field' }, el('span', {}, 'Drag goal'), el('div', { class: 'row' }, ...this.armButtons, mode)),
       this.fromHere,
       el('details', { class: 'more' }, el('summary', {}, 'Options'),
-        field('Preset', this.preset), field('Seed', this.seed), field('Deadline [s]', this.deadline)),
+        field('Preset', this.preset), field('Strategy', this.strategy), field('Seed', this.seed), field('Deadline [s]', this.deadline)),
       this.planButton,
       this.result,
     );
@@ -162,7 +163,7 @@ export class LivePanel {
 
   private async plan(): Promise<void> {
     const start = this.fromHere.querySelector('input')!.checked ? this.hooks.configuration() : null;
-    const common = { seed: this.seed.valueAsNumber || 0, preset: this.preset.value, deadline: this.deadline.valueAsNumber || 5 };
+    const common = { seed: this.seed.valueAsNumber || 0, preset: this.preset.value, strategy: this.strategy.value, deadline: this.deadline.valueAsNumber || 5 };
     this.clear();
     if (this.goal && (start || !this.query)) this.start = start ?? this.start;
     const ends = this.query && !start ? { query: this.query } : { start: this.start ?? undefined, goal: this.goal ?? undefined };

@@ -37,7 +37,12 @@ void add_measures(Json& json, const Runs& runs, const std::vector<std::string>& 
   add_lengths(json, runs, -1);
   json["arms"] = Json::object();
   for (std::size_t i = 0; i < arms.size(); ++i) {
-    add_lengths(json["arms"][arms[i]], runs, static_cast<int>(i));
+    Json& arm = json["arms"][arms[i]];
+    add_lengths(arm, runs, static_cast<int>(i));
+    if (!has_arm_times(runs)) continue;
+    for (const auto& [key, member] : kTimeKeys) {
+      arm["times_ms"][key] = statistics_json(measure_arm_ms(runs, member, static_cast<int>(i)));
+    }
   }
   json["rungs"] = Json::object();
   for (const auto& [rung, count] : rung_counts(runs)) json["rungs"][rung] = count;

@@ -74,6 +74,20 @@ Statistics measure_ms(const Runs& runs, double pipeline::ModuleTimes::* module) 
   return measure(runs, [&](const BenchRun& run) { return run.report.times.*module * 1e3; });
 }
 
+Statistics measure_arm_ms(const Runs& runs, double pipeline::ModuleTimes::* module, int arm) {
+  std::vector<double> values;
+  for (const BenchRun* run : successes(runs)) {
+    const std::vector<pipeline::ModuleTimes>& times = run->report.arm_times;
+    if (!times.empty()) values.push_back(times.at(static_cast<std::size_t>(arm)).*module * 1e3);
+  }
+  return Statistics::of(std::move(values));
+}
+
+bool has_arm_times(const Runs& runs) {
+  return std::ranges::any_of(successes(runs),
+                             [](const BenchRun* run) { return !run->report.arm_times.empty(); });
+}
+
 Statistics measure_duration(const Runs& runs) {
   return measure(runs, [](const BenchRun& run) { return run.duration; });
 }

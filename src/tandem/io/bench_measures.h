@@ -34,6 +34,11 @@ pipeline::Statistics measure(const Runs& runs,
                              const std::function<double(const pipeline::BenchRun&)>& value);
 /// Of a module's wall time [ms].
 pipeline::Statistics measure_ms(const Runs& runs, double pipeline::ModuleTimes::* module);
+/// The same of arm `arm` alone, over the runs that planned it so.
+pipeline::Statistics measure_arm_ms(const Runs& runs, double pipeline::ModuleTimes::* module,
+                                    int arm);
+/// Whether a successful run planned arms alone.
+bool has_arm_times(const Runs& runs);
 /// Of the motion's duration [s].
 pipeline::Statistics measure_duration(const Runs& runs);
 /// Of a length of arm `arm`, or of its sum over all arms if -1.

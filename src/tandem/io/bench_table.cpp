@@ -37,6 +37,10 @@ std::string measures(const pipeline::BenchResult& result, const Runs& runs) {
   table.row({"successful runs", "mean", "std", "p50", "p95", "p99", "max"});
   for (const auto& [key, member] : kTimeKeys) {
     add_row(table, std::string(key) + " [ms]", measure_ms(runs, member), 3);
+    for (std::size_t i = 0; has_arm_times(runs) && i < result.arms.size(); ++i) {
+      if (member == &pipeline::ModuleTimes::coordination) break;  // Of all arms together.
+      add_row(table, "  " + result.arms[i], measure_arm_ms(runs, member, static_cast<int>(i)), 3);
+    }
   }
   add_row(table, "motion duration [s]", measure_duration(runs), 3);
   for (const auto& [key, member] : kLengthKeys) {

@@ -51,7 +51,7 @@ Result<BenchResult> bench(const std::shared_ptr<const world::Workcell>& cell, in
       **asked, options.seed,
       StopCondition::after(std::numeric_limits<double>::infinity(), options.token));
   if (!queries) return std::unexpected(queries.error());
-  for (const ResolvedQuery& query : *queries) planner.prepare(query.cell, options.preset);
+  for (const ResolvedQuery& query : *queries) planner.prepare(query.cell, options);
 
   BenchResult result{cell->name(), options, 0, {}, {}, std::string(list)};
   for (const world::Arm& arm : cell->arms()) result.arms.push_back(arm.name);

@@ -53,6 +53,11 @@ Result<PlannedMotion> plan_motion(const collision::CompiledCell& compiled,
   const world::Workcell& cell = compiled.cell();
   if ((ends.goal - ends.start).cwiseAbs().maxCoeff() < kSamePlace) {
     report.arms.resize(cell.arms().size());
+    const auto scratch = compiled.exact().make_scratch();
+    report.least_clearance =
+        compiled.exact()
+            .least_clearance(ends.start, compiled.selection(world::PairScope::all()), *scratch)
+            .distance;
     return PlannedMotion{{ends.start, ends.goal}, standing_still(cell, ends.start)};
   }
   const Modules modules = make_modules(options.preset, compiled, stop);

@@ -9,6 +9,10 @@ const char* to_string(Strategy strategy) {
   switch (strategy) {
     case Strategy::kCentralized:
       return "centralized";
+    case Strategy::kDecoupled:
+      return "decoupled";
+    case Strategy::kAuto:
+      return "auto";
   }
   return "unknown";
 }

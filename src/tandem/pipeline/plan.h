@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tandem/coordination/interpolation.h"
 #include "tandem/core/result.h"
 #include "tandem/core/stop.h"
 #include "tandem/motion/cell_motion.h"
@@ -18,6 +19,10 @@ namespace tandem::pipeline {
 
 enum class Strategy {
   kCentralized,  ///< One composite robot. Ref: the paper, "Centralized Planning".
+  /// Each arm alone, then their motions coordinated. Ref: the paper, "Decoupled Planning with
+  /// Fixed-Path Coordination".
+  kDecoupled,
+  kAuto,  ///< Decoupled where the arms hardly hinder each other, centralized where they do.
 };
 
 enum class Preset {
@@ -34,6 +39,8 @@ struct PlanOptions {
   std::uint64_t seed = 1;
   double deadline = 5.0;  ///< [s] of wall time, > 0; to resolve a query, and again to plan it.
   std::stop_token token = {};
+  /// Of local times, with Strategy::kDecoupled and Preset::kPaper.
+  coordination::Interpolation interpolation = coordination::Interpolation::kCubic;
   bool plpp = true;         ///< Shorten the tools' paths (the path length post-processor).
   bool keep_phases = true;  ///< Keep the intermediate paths in the report.
 };

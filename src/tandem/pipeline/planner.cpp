@@ -5,6 +5,7 @@
 
 #include "tandem/core/contract.h"
 #include "tandem/pipeline/centralized.h"
+#include "tandem/pipeline/decoupled.h"
 #include "tandem/pipeline/modules.h"
 #include "tandem/pipeline/path.h"
 #include "tandem/pipeline/resolve.h"
@@ -56,6 +57,22 @@ void expect_question(const Workcell& cell, const ResolvedQuery& query, const Pla
   expects(options.deadline > 0, "the deadline must be positive");
 }
 
+Result<motion::CellMotion> plan_by_strategy(const CompiledCell& in, const ResolvedQuery& query,
+                                            const PlanOptions& options, const StopCondition& stop,
+                                            PlanReport& report) {
+  switch (options.strategy) {
+    case Strategy::kCentralized:
+      break;
+    case Strategy::kDecoupled:
+      return plan_decoupled(in, query, options, stop, report);
+    case Strategy::kAuto:
+      return plan_auto(in, query, options, stop, report);
+  }
+  auto planned = plan_motion(in, query, options, stop, report);
+  if (!planned) return std::unexpected(planned.error());
+  return std::move(planned->curve);
+}
+
 }  // namespace
 
 Planner::Planner(std::shared_ptr<const Workcell> cell)
@@ -70,9 +87,15 @@ std::shared_ptr<const CompiledCell> Planner::compiled(
   return cells_->compiled(cell ? cell : cells_->cell());
 }
 
-void Planner::prepare(const std::shared_ptr<const Workcell>& cell, Preset preset) const {
+void Planner::prepare(const std::shared_ptr<const Workcell>& cell,
+                      const PlanOptions& options) const {
+  const auto whole = compiled(cell);
   // Whoever plans makes these.
-  (void)make_modules(preset, *compiled(cell), {});
+  if (options.strategy != Strategy::kDecoupled) (void)make_modules(options.preset, *whole, {});
+  if (options.strategy == Strategy::kCentralized) return;
+  for (std::size_t i = 0; i < whole->cell().arms().size(); ++i) {
+    (void)make_modules(options.preset, whole->alone(static_cast<int>(i)), {});
+  }
 }
 
 Result<ResolvedQuery> Planner::resolve(const world::Query& query, std::uint64_t seed,
@@ -100,17 +123,17 @@ Result<Plan> Planner::plan(const ResolvedQuery& ends, const PlanOptions& options
   filled = {};
   const StopCondition stop = StopCondition::after(options.deadline, options.token);
 
-  auto planned = [&]() -> Result<PlannedMotion> {
+  auto motion = [&]() -> Result<motion::CellMotion> {
     ModuleTimer timer(filled.times.total);
     const auto in = compiled(query.cell);
     if (auto feasible = pipeline::check_ends(*in, query); !feasible) {
       return std::unexpected(feasible.error());
     }
-    return plan_motion(*in, query, options, stop, filled);
+    return plan_by_strategy(*in, query, options, stop, filled);
   }();
-  if (!planned) return std::unexpected(planned.error());
-  return Plan{query.name, options.strategy,          options.preset, options.seed, options.plpp,
-              query,      std::move(planned->curve), filled};
+  if (!motion) return std::unexpected(motion.error());
+  return Plan{query.name, options.strategy,   options.preset, options.seed, options.plpp,
+              query,      std::move(*motion), filled};
 }
 
 Result<Plan> Planner::plan(const world::Query& query, const PlanOptions& options,

@@ -38,8 +38,9 @@ class Planner {
   /// A cell, such as the one that a query is planned in; null stands for cell().
   std::shared_ptr<const collision::CompiledCell> compiled(
       const std::shared_ptr<const world::Workcell>& cell = {}) const;
-  /// Compiles all that plans in this cell by this preset will ask for.
-  void prepare(const std::shared_ptr<const world::Workcell>& cell, Preset preset) const;
+  /// Compiles all that plans in this cell by these options will ask for.
+  void prepare(const std::shared_ptr<const world::Workcell>& cell,
+               const PlanOptions& options) const;
 
  private:
   class Cells;

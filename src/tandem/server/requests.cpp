@@ -12,6 +12,8 @@ namespace tandem::server {
 namespace {
 
 using Json = nlohmann::json;
+using pipeline::Preset;
+using pipeline::Strategy;
 
 /// Far beyond any cell, and far from where squares overflow [rad or m].
 constexpr double kLargestValue = 1e6;
@@ -121,12 +123,17 @@ Result<Request> parsed(const std::string& body, const Read& read) {
   }
 }
 
-pipeline::Preset read_preset(const Reader& preset) {
-  const std::string name = preset.text();
-  for (const auto known : {pipeline::Preset::kDefault, pipeline::Preset::kPaper}) {
-    if (name == to_string(known)) return known;
+/// One of the options in `known`, by name.
+template <class Option>
+Option read_option(const Reader& value, const std::vector<Option>& known) {
+  const std::string name = value.text();
+  std::string names;
+  for (const Option option : known) {
+    if (name == to_string(option)) return option;
+    if (!names.empty()) names += option == known.back() ? " or " : ", ";
+    names.append("\"").append(to_string(option)).append("\"");
   }
-  preset.refuse("\"default\" or \"paper\"");
+  value.refuse(names);
 }
 
 Eigen::VectorXd read_joints(const Reader& q, int dof) {
@@ -149,17 +156,24 @@ Eigen::Isometry3d read_pose(const Reader& pose) {
 
 Result<PlanRequest> read_plan_request(const std::string& body, int dof) {
   return parsed<PlanRequest>(body, [&](const Reader& json) {
-    json.expect_keys({}, {"query", "start", "goal", "seed", "preset", "deadline"});
+    json.expect_keys({}, {"query", "start", "goal", "seed", "preset", "strategy", "deadline"});
     PlanRequest request;
     if (json.has("query")) {
-      json.expect_keys({"query"}, {"seed", "preset", "deadline"});
+      json.expect_keys({"query"}, {"seed", "preset", "strategy", "deadline"});
       request.query = json["query"].text();
     } else {
-      json.expect_keys({"start", "goal"}, {"seed", "preset", "deadline"});
+      json.expect_keys({"start", "goal"}, {"seed", "preset", "strategy", "deadline"});
       request.ends = {"live", read_joints(json["start"], dof), read_joints(json["goal"], dof)};
     }
     if (json.has("seed")) request.options.seed = json["seed"].count();
-    if (json.has("preset")) request.options.preset = read_preset(json["preset"]);
+    if (json.has("preset")) {
+      request.options.preset =
+          read_option<Preset>(json["preset"], {Preset::kDefault, Preset::kPaper});
+    }
+    if (json.has("strategy")) {
+      request.options.strategy = read_option<Strategy>(
+          json["strategy"], {Strategy::kCentralized, Strategy::kDecoupled, Strategy::kAuto});
+    }
     if (json.has("deadline")) {
       request.options.deadline =
           std::min(kLongestDeadline, json["deadline"].number(kShortestDeadline, kLargestValue));

@@ -1,0 +1,155 @@
+#include "tandem/pipeline/coordinate.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+
+#include "tandem/coordination/diagram_coordinator.h"
+#include "tandem/coordination/path_coordinator.h"
+#include "tandem/coordination/realization.h"
+#include "tandem/coordination/sequential.h"
+#include "tandem/pipeline/modules.h"
+#include "tandem/planning/ompl/ompl_planning.h"
+
+namespace tandem::pipeline {
+
+using coordination::CoordinationProblem;
+using coordination::Interpolated;
+using coordination::Interpolation;
+using coordination::Realization;
+using motion::CellMotion;
+using motion::PiecewiseCubic;
+
+namespace {
+
+/// Ways around what blocks that are made motions, to take the quickest.
+constexpr int kAlternatives = 3;
+/// Of the paper's search, which cannot know that there is no way [s]. The paper
+/// needs 0.4 s.
+constexpr double kPaperSearch = 2;
+
+/// Two arms that come together in the coordinated motion.
+std::string touching(const world::Workcell& cell, const collision::Certificate& certificate) {
+  char text[80];
+  if (certificate.verdict == collision::Verdict::kCollision) {
+    std::snprintf(text, sizeof text, " touch at %.4f s, %.4f m deep", certificate.time,
+                  certificate.depth);
+  } else {
+    std::snprintf(text, sizeof text, " come too close for a proof at %.4f s", certificate.time);
+  }
+  return cell.describe_pair(certificate.pair) + text;
+}
+
+/// Every arm as planned while the others stand. At both ends of its motion it
+/// is at rest, so it is as smooth as it was, and it is as long as its motions
+/// are.
+Result<CellMotion> one_after_the_other(const CoordinationProblem& problem,
+                                       collision::CollisionChecker::Scratch& scratch,
+                                       const StopCondition& stop, PlanReport& report) {
+  const auto schedule = coordination::make_sequential_coordinator()->coordinate(problem, 0, stop);
+  if (!schedule) return std::unexpected(schedule.error());
+  auto made = coordination::interpolate_unrepaired(problem, *schedule, Interpolation::kLinear,
+                                                   scratch, stop);
+  if (!made) return std::unexpected(made.error());
+  if (!made->certificate.is_free() || !made->violations.empty()) {
+    return fail(ErrorCode::kCollision, "the arms come too close for a proof one after the other");
+  }
+  ++report.rungs["one_after_the_other"];
+  report.least_clearance = made->certificate.least_clearance;
+  return std::move(made->motion);
+}
+
+/// The quickest motion along the shortest ways through the diagram.
+Result<CellMotion> coordinate_by_diagram(const CoordinationProblem& problem, std::uint64_t seed,
+                                         const StopCondition& stop, PlanReport& report) {
+  const auto schedules =
+      coordination::make_diagram_coordinator()->alternatives(problem, kAlternatives, seed, stop);
+  if (!schedules) return std::unexpected(schedules.error());
+  const auto scratch = problem.checker.make_scratch();
+  std::optional<Realization> best;
+  Error last{ErrorCode::kCoordination, ""};
+  for (const coordination::Schedule& schedule : *schedules) {
+    // A schedule is as long as the motion along it at least.
+    auto made = coordination::realize(problem, schedule, *scratch, stop);
+    if (stop()) return std::unexpected(stop.error("coordinating the arms"));
+    if (!made) {
+      last = made.error();
+      continue;
+    }
+    report.counts.certificate_evaluations += made->evaluations;
+    if (!best || made->motion.duration() < best->motion.duration()) best = std::move(*made);
+  }
+  if (!best || best->motion.duration() > coordination::durations(problem).sum()) {
+    auto motion = one_after_the_other(problem, *scratch, stop, report);
+    if (motion || stop()) return motion;
+  }
+  if (!best) return std::unexpected(last);
+  report.counts.repairs += best->repairs;
+  if (best->repairs > 0) ++report.rungs["coordination_repair"];
+  if (best->stop_and_go) ++report.rungs["stop_and_go"];
+  report.least_clearance = best->least_clearance;
+  return std::move(best->motion);
+}
+
+/// The motion of one interpolation, in the paper's time or slower where limits
+/// would break.
+Result<CellMotion> accepted(const CoordinationProblem& problem, Interpolated made,
+                            PlanReport& report) {
+  const world::Workcell& cell = problem.checker.cell();
+  if (!made.certificate.is_free()) {
+    return fail(ErrorCode::kCollision,
+                "the coordinated motion: " + touching(cell, made.certificate) +
+                    "; this preset repairs nothing, --preset default does");
+  }
+  constexpr double kTolerance = 1e-6;  // That of verification.
+  for (const motion::ArmMotion& arm : made.motion.arms()) {
+    if (const double jump = arm.largest_jumps()[1]; jump > kTolerance) {
+      char text[120];
+      std::snprintf(text, sizeof text, "the coordinated motion: a velocity jumps by %.4f", jump);
+      return fail(ErrorCode::kLimits,
+                  std::string(text) + "; choose an interpolation that is smooth, cubic or quintic");
+    }
+  }
+  report.least_clearance = made.certificate.least_clearance;
+  if (made.violations.empty()) return std::move(made.motion);
+  ++report.rungs["stretch"];
+  std::vector<motion::ArmMotion> slower;
+  for (const motion::ArmMotion& arm : made.motion.arms()) {
+    slower.push_back(arm.stretched(made.stretch));
+  }
+  return CellMotion(std::move(slower));
+}
+
+Result<CellMotion> coordinate_as_the_paper(const CoordinationProblem& problem,
+                                           const PlanOptions& options, const StopCondition& stop,
+                                           PlanReport& report) {
+  const auto coordinator = coordination::make_path_coordinator(planning::make_ompl_rrt_connect(),
+                                                               planning::make_ompl_simplifier());
+  const auto schedule = coordinator->coordinate(problem, options.seed, stop);
+  if (!schedule) {
+    // A search without a way ends at the deadline: that is how the paper's
+    // deadlocks end.
+    const Error& error = schedule.error();
+    if (error.code != ErrorCode::kTimeout) return std::unexpected(error);
+    return fail(ErrorCode::kCoordination, error.message);
+  }
+  const auto scratch = problem.checker.make_scratch();
+  auto made = coordination::interpolate_unrepaired(problem, *schedule, options.interpolation,
+                                                   *scratch, stop);
+  if (!made) return std::unexpected(made.error());
+  return accepted(problem, std::move(*made), report);
+}
+
+}  // namespace
+
+Result<CellMotion> coordinate(const collision::CompiledCell& compiled,
+                              std::vector<PiecewiseCubic> arms, const PlanOptions& options,
+                              const StopCondition& stop, PlanReport& report) {
+  ModuleTimer timer(report.times.coordination);
+  const CoordinationProblem problem{compiled.exact(), std::move(arms)};
+  return options.preset == Preset::kPaper
+             ? coordinate_as_the_paper(problem, options, stop, report)
+             : coordinate_by_diagram(problem, options.seed, stop, report);
+}
+
+}  // namespace tandem::pipeline
