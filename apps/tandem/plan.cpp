@@ -1,6 +1,10 @@
+#include <algorithm>
+
 #include "commands.h"
 #include "options.h"
 #include "stop_signals.h"
+#include "tandem/collision/ssv_checker.h"
+#include "tandem/io/diagram_file.h"
 #include "tandem/io/plan_file.h"
 #include "tandem/io/table.h"
 
@@ -11,7 +15,7 @@ namespace {
 struct PlanCommand {
   CellOptions cell;
   PlanningOptions planning;
-  std::string query, output, csv;
+  std::string query, output, csv, diagram;
   double rate = 1000;
   bool json = false, force = false;
 };
@@ -20,11 +24,50 @@ Result<void> check_outputs(const PlanCommand& command) {
   if (!command.output.empty() && command.output == command.csv) {
     return fail(ErrorCode::kInvalidInput, "-o and --csv name the same file, " + command.csv);
   }
-  for (const std::string& file : {command.output, command.csv}) {
+  for (const std::string& file : {command.output, command.csv, command.diagram}) {
     if (file.empty()) continue;
     if (auto writable = io::check_writable(file, command.force); !writable) return writable;
   }
   return {};
+}
+
+/// Where the arms are on their own motions while they run together: a schedule for the figure.
+coordination::Schedule sampled(const motion::CellMotion& motion) {
+  constexpr int kSamples = 500;
+  coordination::Schedule schedule;
+  const auto arms = static_cast<Eigen::Index>(motion.arms().size());
+  for (int k = 0; k <= kSamples; ++k) {
+    const double t = motion.duration() * k / kSamples;
+    Eigen::VectorXd place(arms);
+    for (Eigen::Index i = 0; i < arms; ++i) {
+      const motion::ArmMotion& arm = motion.arms()[static_cast<std::size_t>(i)];
+      const double own = arm.map() ? (*arm.map())(t) : t;
+      place[i] = std::clamp(own, 0.0, arm.spline().duration());
+    }
+    if (!schedule.places.empty() && place == schedule.places.back()) continue;
+    schedule.places.push_back(std::move(place));
+    schedule.times.push_back(t);
+  }
+  return schedule;
+}
+
+/// The diagram of the first two arms.
+Result<void> save_diagram(const PlanCommand& command, const pipeline::Plan& plan,
+                          const std::shared_ptr<const world::Workcell>& given) {
+  if (command.diagram.empty()) return {};
+  const auto cell = plan.ends.cell ? plan.ends.cell : given;
+  if (cell->arms().size() < 2) {
+    return fail(ErrorCode::kInvalidInput,
+                "--diagram needs a cell of two arms; '" + cell->name() + "' has one");
+  }
+  const collision::SsvChecker checker(cell);
+  coordination::CoordinationProblem problem{checker, {}};
+  for (const motion::ArmMotion& arm : plan.trajectory.arms()) {
+    problem.arms.push_back(arm.spline());
+  }
+  const auto drawing = coordination::draw_diagram(problem, 0, 1, {sampled(plan.trajectory)});
+  if (!drawing) return std::unexpected(drawing.error());
+  return io::save_diagram(command.diagram, *drawing, *cell, plan.query, command.force);
 }
 
 Result<void> save(const PlanCommand& command, const pipeline::Plan& plan,
@@ -47,18 +90,20 @@ std::string summary(const PlanCommand& command, const pipeline::Plan& plan) {
   add("path planning", report.times.path_planning * 1e3, 3, "ms");
   add("simplification", report.times.simplification * 1e3, 3, "ms");
   add("trajectory", report.times.trajectory * 1e3, 3, "ms");
+  add("coordination", report.times.coordination * 1e3, 3, "ms");
   add("certificate", report.times.certificate * 1e3, 3, "ms");
   add("total", report.times.total * 1e3, 3, "ms");
   add("motion duration", plan.trajectory.duration(), 3, "s");
   add("least clearance", report.least_clearance * 1e3, 3, "mm");
-  std::string text = "query " + plan.query + ", preset " + to_string(plan.preset) + ", seed " +
-                     std::to_string(plan.seed) + "\n" + table.text();
+  std::string text = "query " + plan.query + ", preset " + to_string(plan.preset) + ", strategy " +
+                     to_string(plan.strategy) + ", seed " + std::to_string(plan.seed) + "\n" +
+                     table.text();
   std::string rungs;
   for (const auto& [rung, count] : report.rungs) {
     rungs += (rungs.empty() ? "" : ", ") + rung + " " + std::to_string(count);
   }
   text += "rungs: " + (rungs.empty() ? "none" : rungs) + "\n";
-  for (const std::string& file : {command.output, command.csv}) {
+  for (const std::string& file : {command.output, command.csv, command.diagram}) {
     if (!file.empty()) text += "written: " + file + "\n";
   }
   return text;
@@ -75,6 +120,7 @@ int run(const PlanCommand& command) {
   const auto plan = pipeline::plan(*cell, **query, command.planning.with(signals.token()));
   if (!plan) return failed(plan.error());
   if (auto saved = save(command, *plan, **cell); !saved) return failed(saved.error());
+  if (auto saved = save_diagram(command, *plan, *cell); !saved) return failed(saved.error());
   if (!command.json) return print("plan", summary(command, *plan));
   const std::string file = command.output.empty() ? "plan.json" : command.output;
   const auto json = io::plan_json(*plan, **cell, file);
@@ -98,6 +144,11 @@ void add_plan(CLI::App& app, int& exit_code) {
       ->capture_default_str()
       ->check(positive_number(kHighestRate))
       ->needs(csv);
+  sub->add_option(
+         "--diagram", command->diagram,
+         "Write the coordination diagram of the first two arms here: what is blocked, and\n"
+         "the motion's way (JSON; .csv: cells, and lines beside them)")
+      ->type_name("FILE");
   sub->add_flag("--json", command->json, "Print the plan file instead of a table");
   add_force(*sub, command->force);
   command->planning.add_to(*sub);

@@ -38,6 +38,15 @@ class Bench(CommandLine):
             self.assertGreater(arm["times_ms"]["total"]["mean"], 0)
         self.assertGreater(bench["times_ms"]["coordination"]["mean"], 0)
 
+    def test_a_diagram_of_the_coordination(self):
+        plan = ("plan", CELL, "swing", "--strategy", "decoupled", "--diagram")
+        self.assertIn("written: d.json", self.ok(*plan, "d.json").out)
+        diagram = json.loads((self.folder / "d.json").read_text())
+        self.assertIn("coordinated", str(diagram))
+        self.refused(2, *plan, "d.json", says=("d.json exists", "--force"))
+        self.ok(*plan, "d.csv")
+        self.assertTrue((self.folder / "d.lines.csv").exists())
+
     def test_failures_are_a_result_and_are_explained(self):
         done = self.ok("bench", CELL, "--cycles", "2", "--deadline", "1e-9", "--json", "b.json")
         self.assertIn("timeout 4", done.out)
