@@ -37,12 +37,12 @@ class ArmValidity final : public planning::Validity {
 
 /// By arm: a path that is proven alone, as a spline through it within the arm's limits. Empty if an
 /// arm has no way or none to go.
-inline std::vector<motion::PiecewiseCubic> arm_motions(const collision::BatchChecker& checker,
+inline std::vector<motion::PiecewiseCubic> arm_motions(const collision::CompiledCell& compiled,
                                                        const pipeline::ResolvedQuery& query,
                                                        std::uint64_t seed) {
   using Eigen::VectorXd;
-  const world::Workcell& cell = checker.cell();
-  const auto validity = planning::make_batch_validity_by_arm(checker);
+  const world::Workcell& cell = compiled.cell();
+  const auto validity = planning::make_batch_validity_by_arm(compiled);
   const auto planner = planning::make_rrt_connect();
   const auto simplifier = planning::make_simplifier();
   const auto optimizer = trajectory::make_barrier_optimizer();

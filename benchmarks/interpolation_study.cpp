@@ -110,12 +110,11 @@ int main(int argc, char** argv) {
   int deadlocks = 0;
   std::vector<double> bound, longest, places, coordination_ms;
   for (const auto& query : *resolved) {
-    const collision::SsvChecker checker(query.cell ? query.cell : *cell);
-    const collision::BatchChecker batch(checker);
+    const collision::CompiledCell compiled(query.cell ? query.cell : *cell);
     for (int seed = 1; seed <= seeds; ++seed) {
-      const auto arms = study::arm_motions(batch, query, static_cast<std::uint64_t>(seed));
+      const auto arms = study::arm_motions(compiled, query, static_cast<std::uint64_t>(seed));
       if (arms.empty()) continue;
-      const coordination::CoordinationProblem problem{checker, arms};
+      const coordination::CoordinationProblem problem{compiled.exact(), arms};
       const auto begin = Clock::now();
       const auto schedule = coordinator->coordinate(problem, static_cast<std::uint64_t>(seed),
                                                     StopCondition::after(0.5));

@@ -84,9 +84,9 @@ Polyline refined(const Polyline& line, const CellMotion& motion, const std::vect
 
 /// Places before and after every corner that an arm takes while it moves: without them a spline
 /// bends all along the edges.
-Polyline with_corners(const Polyline& line) {
-  constexpr double kReach = 0.2;     // [s] of an arm's bend: about what it needs to stop.
-  constexpr double kPart = 1.0 / 3;  // Of the edge, at most.
+/// @param reach  how far from the corner [s], but at most a third of the edge.
+Polyline with_corners(const Polyline& line, double reach) {
+  constexpr double kPart = 1.0 / 3;
   const std::size_t last = line.intervals.size();
   const auto is_corner = [&](std::size_t k) {
     if (k == 0 || k == last) return false;
@@ -102,7 +102,7 @@ Polyline with_corners(const Polyline& line) {
   Polyline finer{{line.places.front()}, {}};
   for (std::size_t k = 0; k < last; ++k) {
     const VectorXd &from = line.places[k], d = line.places[k + 1] - from;
-    const double h = line.intervals[k], part = std::min(kPart, kReach / h);
+    const double h = line.intervals[k], part = std::min(kPart, reach / h);
     std::vector<double> cuts;
     if (is_corner(k)) cuts.push_back(part);
     if (is_corner(k + 1)) cuts.push_back(1 - part);
@@ -157,6 +157,29 @@ class Realizer {
     return attempt;
   }
 
+  std::vector<TimeMap> fit(const Polyline& line) {
+    return timing_.fit(line.places,
+                       Eigen::Map<const VectorXd>(line.intervals.data(),
+                                                  static_cast<Index>(line.intervals.size())));
+  }
+
+  /// The line with places beside its corners, where these make the motion shortest.
+  Polyline soonest(const Polyline& line) {
+    constexpr double kReaches[] = {0.12, 0.3, 0.7};  // [s] Sharp to gentle bends.
+    Polyline best = line;
+    fit(line);
+    double least = timing_.times().back();
+    for (const double reach : kReaches) {
+      Polyline candidate = with_corners(line, reach);
+      if (candidate.places.size() == line.places.size()) break;  // No corner.
+      fit(candidate);
+      if (timing_.times().back() >= least) continue;
+      least = timing_.times().back();
+      best = std::move(candidate);
+    }
+    return best;
+  }
+
   ScheduleTiming& timing() { return timing_; }
   long evaluations() const { return evaluations_; }
 
@@ -196,13 +219,11 @@ Result<Realization> realize(const CoordinationProblem& problem, const Schedule& 
     return Realization{std::move(attempt.motion), attempt.proof.least_clearance,
                        static_cast<int>(places), stops, realizer.evaluations()};
   };
-  Polyline line = with_corners(straight);
+  Polyline line = realizer.soonest(straight);
   const std::size_t without_repair = line.places.size();
   for (int round = 0; round <= options.repair_rounds; ++round) {
     if (stop()) return std::unexpected(stop.error("timing the schedule"));
-    const VectorXd intervals = Eigen::Map<const VectorXd>(
-        line.intervals.data(), static_cast<Index>(line.intervals.size()));
-    auto attempt = realizer.prove(realizer.timing().fit(line.places, intervals));
+    auto attempt = realizer.prove(realizer.fit(line));
     if (attempt.proof.stopped) return std::unexpected(stop.error("proving the schedule's motion"));
     if (attempt.faults.empty()) {
       return finished(attempt, line.places.size() - without_repair, false);

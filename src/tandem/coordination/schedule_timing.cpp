@@ -6,6 +6,7 @@
 
 #include "tandem/coordination/interpolation.h"
 #include "tandem/core/contract.h"
+#include "tandem/math/bernstein.h"
 #include "tandem/trajectory/piece_derivatives.h"
 
 namespace tandem::coordination {
@@ -16,7 +17,8 @@ using motion::TimeMap;
 
 namespace {
 
-constexpr double kShortest = 2e-3;  ///< [s] of an interval: two control ticks.
+constexpr double kShortest = 2e-3;   ///< [s] of an interval: two control ticks.
+constexpr double kCloseness = 1e-3;  ///< To which peaks are found while intervals change.
 
 /// The times of places from the intervals between them.
 std::vector<double> summed(const VectorXd& intervals) {
@@ -81,7 +83,7 @@ void ScheduleTiming::interpolate(const std::vector<VectorXd>& places, const Vect
   }
 }
 
-/// By interval, the factor by which it alone would have to be longer, from bounds of every piece.
+/// By interval, the factor by which it alone would have to be longer.
 VectorXd ScheduleTiming::local_scales() {
   VectorXd scales = VectorXd::Zero(static_cast<Index>(times_.size()) - 1);
   std::size_t first = 0;
@@ -92,16 +94,20 @@ VectorXd ScheduleTiming::local_scales() {
       while (k + 1 < scales.size() && times_[static_cast<std::size_t>(k) + 1] <= middle) ++k;
       if (piece.spline < 0) continue;
       const trajectory::PieceDerivatives derivatives(arm, piece);
-      double velocity = 0, acceleration = 0, jerk = 0;
+      // Only what exceeds the interval's worst so far is looked at closely.
+      double& scale = scales[k];
+      const auto widen = [&](int order, Index j, double limit, double worst) {
+        if (std::isinf(limit)) return worst;
+        return math::largest_magnitude(derivatives(order, j), worst * limit, kCloseness) / limit;
+      };
+      double velocity = scale, acceleration = scale * scale, jerk = acceleration * scale;
       for (Index j = 0; j < arm.dof(); ++j) {
         const robot::JointLimits& limit = limits_[first + static_cast<std::size_t>(j)];
-        velocity = std::max(velocity, derivatives(1, j).magnitude() / limit.velocity);
-        acceleration = std::max(acceleration, derivatives(2, j).magnitude() / limit.acceleration);
-        if (std::isfinite(limit.jerk)) {
-          jerk = std::max(jerk, derivatives(3, j).magnitude() / limit.jerk);
-        }
+        velocity = widen(1, j, limit.velocity, velocity);
+        acceleration = widen(2, j, limit.acceleration, acceleration);
+        jerk = widen(3, j, limit.jerk, jerk);
       }
-      scales[k] = std::max({scales[k], velocity, std::sqrt(acceleration), std::cbrt(jerk)});
+      scale = std::max({velocity, std::sqrt(acceleration), std::cbrt(jerk)});
     }
     first += static_cast<std::size_t>(arm.dof());
   }
