@@ -130,17 +130,23 @@ class Realizer {
         arms_(problem.arms.begin(), problem.arms.end()),
         timing_(arms_, problem.checker.cell().limits()) {}
 
+  /// A line with the real times of its places.
+  struct Timed {
+    Polyline line;
+    std::vector<TimeMap> maps;
+    std::vector<double> times;
+  };
   /// The motion along maps, proven, or the faults by which it is not.
   struct Attempt {
     CellMotion motion;
     std::vector<Fault> faults;     ///< At most one per edge, ascending.
     collision::Certificate proof;  ///< The first that failed, or that of the least clearance.
   };
-  Attempt prove(const std::vector<TimeMap>& maps) {
+  Attempt prove(const Timed& timed) {
     std::vector<ArmMotion> moved;
-    for (std::size_t i = 0; i < arms_.size(); ++i) moved.push_back(*arms_[i].along(maps[i]));
+    for (std::size_t i = 0; i < arms_.size(); ++i) moved.push_back(*arms_[i].along(timed.maps[i]));
     Attempt attempt{CellMotion(std::move(moved)), {}, {}};
-    const std::vector<double>& times = timing_.times();
+    const std::vector<double>& times = timed.times;
     for (std::size_t k = 0; k + 1 < times.size(); ++k) {
       const collision::Certificate proof =
           collision::certify_interval(problem_.checker, attempt.motion, times[k], times[k + 1],
@@ -157,30 +163,30 @@ class Realizer {
     return attempt;
   }
 
-  std::vector<TimeMap> fit(const Polyline& line) {
-    return timing_.fit(line.places,
-                       Eigen::Map<const VectorXd>(line.intervals.data(),
-                                                  static_cast<Index>(line.intervals.size())));
+  Timed fit(const Polyline& line) {
+    const Eigen::Map<const VectorXd> intervals(line.intervals.data(),
+                                               static_cast<Index>(line.intervals.size()));
+    auto maps = timing_.fit(line.places, intervals);
+    return {line, std::move(maps), timing_.times()};
+  }
+  Timed stop_and_go(const Polyline& line) {
+    auto maps = timing_.stop_and_go(line.places);
+    return {line, std::move(maps), timing_.times()};
   }
 
-  /// The line with places beside its corners, where these make the motion shortest.
-  Polyline soonest(const Polyline& line) {
-    constexpr double kReaches[] = {0.12, 0.3, 0.7};  // [s] Sharp to gentle bends.
-    Polyline best = line;
-    fit(line);
-    double least = timing_.times().back();
+  /// With places beside the corners, where these make the motion shorter.
+  Timed soonest(const Polyline& line) {
+    constexpr double kReaches[] = {0.3, 0.7};  // [s] Sharper bends take longer.
+    Timed best = fit(line);
     for (const double reach : kReaches) {
-      Polyline candidate = with_corners(line, reach);
+      const Polyline candidate = with_corners(line, reach);
       if (candidate.places.size() == line.places.size()) break;  // No corner.
-      fit(candidate);
-      if (timing_.times().back() >= least) continue;
-      least = timing_.times().back();
-      best = std::move(candidate);
+      Timed timed = fit(candidate);
+      if (timed.times.back() < best.times.back()) best = std::move(timed);
     }
     return best;
   }
 
-  ScheduleTiming& timing() { return timing_; }
   long evaluations() const { return evaluations_; }
 
  private:
@@ -219,21 +225,22 @@ Result<Realization> realize(const CoordinationProblem& problem, const Schedule& 
     return Realization{std::move(attempt.motion), attempt.proof.least_clearance,
                        static_cast<int>(places), stops, realizer.evaluations()};
   };
-  Polyline line = realizer.soonest(straight);
-  const std::size_t without_repair = line.places.size();
-  for (int round = 0; round <= options.repair_rounds; ++round) {
-    if (stop()) return std::unexpected(stop.error("timing the schedule"));
-    auto attempt = realizer.prove(realizer.fit(line));
+  if (stop()) return std::unexpected(stop.error("timing the schedule"));
+  Realizer::Timed timed = realizer.soonest(straight);
+  const std::size_t without_repair = timed.line.places.size();
+  for (int round = 0;; ++round) {
+    auto attempt = realizer.prove(timed);
     if (attempt.proof.stopped) return std::unexpected(stop.error("proving the schedule's motion"));
     if (attempt.faults.empty()) {
-      return finished(attempt, line.places.size() - without_repair, false);
+      return finished(attempt, timed.line.places.size() - without_repair, false);
     }
-    line = refined(line, attempt.motion, attempt.faults);
+    if (round == options.repair_rounds) break;
+    timed = realizer.fit(refined(timed.line, attempt.motion, attempt.faults));
   }
-  auto attempt = realizer.prove(realizer.timing().stop_and_go(straight.places));
+  auto attempt = realizer.prove(realizer.stop_and_go(straight));
   if (attempt.proof.stopped) return std::unexpected(stop.error("proving the schedule's motion"));
   if (!attempt.faults.empty()) return failure(problem.checker.cell(), attempt.proof);
-  return finished(attempt, line.places.size() - without_repair, true);
+  return finished(attempt, timed.line.places.size() - without_repair, true);
 }
 
 Result<Interpolated> interpolate_unrepaired(const CoordinationProblem& problem,

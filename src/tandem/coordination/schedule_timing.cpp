@@ -132,7 +132,7 @@ void ScheduleTiming::finish() {
 std::vector<TimeMap> ScheduleTiming::fit(const std::vector<VectorXd>& places, VectorXd intervals) {
   expects(places.size() >= 2 && intervals.size() + 1 == static_cast<Index>(places.size()),
           "a schedule of N places has N - 1 intervals");
-  constexpr int kRounds = 12;
+  constexpr int kRounds = 10;
   constexpr double kMost = 2;  ///< Of what an interval changes by in a round.
   VectorXd best = intervals.cwiseMax(kShortest);
   double least = std::numeric_limits<double>::infinity();
