@@ -122,7 +122,7 @@ TEST(BenchJson, HasTheTimesOfEachArmWhereArmsArePlannedAlone) {
   EXPECT_EQ(keys(j["arms"]["left"]["times_ms"]), keys(j["times_ms"]));
   EXPECT_NEAR(j["per_query"]["place"]["arms"]["right"]["times_ms"]["plpp"]["p50"].get<double>(),
               1.0, 1e-12);
-  EXPECT_NE(bench_table(result).find("\n  right                2.000"), std::string::npos)
+  EXPECT_NE(bench_table(result).find("\n  right               2.000"), std::string::npos)
       << bench_table(result);
 }
 
