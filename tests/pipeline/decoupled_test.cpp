@@ -26,7 +26,8 @@ TEST_F(DecoupledOnSmallCell, ReturnsAProvenMotionFromStartToGoal) {
   const auto all = cell_->select(world::PairScope::all());
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     for (const Strategy strategy : {Strategy::kDecoupled, Strategy::kAuto}) {
-      const auto planned = planner_.plan(query_, {.strategy = strategy, .seed = seed});
+      const auto planned =
+          planner_.plan(query_, {.strategy = strategy, .seed = seed, .deadline = 60});
       ASSERT_TRUE(planned) << planned.error().message;
       EXPECT_EQ(planned->strategy, strategy);
       const motion::CellMotion& motion = planned->trajectory;
@@ -52,7 +53,7 @@ TEST_F(DecoupledOnSmallCell, ReturnsAProvenMotionFromStartToGoal) {
 
 TEST_F(DecoupledOnSmallCell, SameSeedSamePlanOtherSeedOtherPlan) {
   const auto plan_with = [&](std::uint64_t seed) {
-    return planner_.plan(query_, {.strategy = Strategy::kDecoupled, .seed = seed});
+    return planner_.plan(query_, {.strategy = Strategy::kDecoupled, .seed = seed, .deadline = 60});
   };
   const auto a = plan_with(5), b = plan_with(5), c = plan_with(6);
   ASSERT_TRUE(a && b && c);
@@ -73,7 +74,7 @@ TEST_F(DecoupledOnSmallCell, SameSeedSamePlanOtherSeedOtherPlan) {
 TEST_F(DecoupledOnSmallCell, ReportsTheArmsOneByOne) {
   PlanReport report;
   const auto planned =
-      planner_.plan(query_, {.strategy = Strategy::kDecoupled, .seed = 2}, &report);
+      planner_.plan(query_, {.strategy = Strategy::kDecoupled, .seed = 2, .deadline = 60}, &report);
   ASSERT_TRUE(planned) << planned.error().message;
   ASSERT_EQ(report.arm_times.size(), 2U);
   double slowest = 0;

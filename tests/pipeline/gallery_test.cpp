@@ -18,7 +18,7 @@ using geometry::Shape;
 
 /// One rung alone or a part of the ladder, on the first query.
 struct Climb {
-  explicit Climb(Cell in, std::uint64_t seed = 1, double deadline = 5)
+  explicit Climb(Cell in, std::uint64_t seed = 1, double deadline = 60)
       : cell(std::move(in)), planner(cell) {
     options.strategy = Strategy::kDecoupled;
     options.seed = seed;
@@ -58,8 +58,8 @@ void expect_free(const Cell& cell, const motion::CellMotion& motion) {
 
 /// The whole ladder ends at `rung`.
 void expect_rung(const Cell& cell, Rung rung, std::uint64_t seed = 1) {
-  const auto planned =
-      plan(cell, cell->queries().front(), {.strategy = Strategy::kDecoupled, .seed = seed});
+  const auto planned = plan(cell, cell->queries().front(),
+                            {.strategy = Strategy::kDecoupled, .seed = seed, .deadline = 60});
   ASSERT_TRUE(planned) << planned.error().message;
   EXPECT_TRUE(planned->report.rungs.contains(to_string(rung)))
       << "ended by another rung than " << to_string(rung);

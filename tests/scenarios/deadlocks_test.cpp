@@ -64,7 +64,7 @@ class Deadlocks : public ::testing::Test {
   void expect_rung(const char* query, const std::string& rung) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const auto plan = planner_.plan(
-          cell_->query(query), {.strategy = Strategy::kDecoupled, .seed = seed, .deadline = 20});
+          cell_->query(query), {.strategy = Strategy::kDecoupled, .seed = seed, .deadline = 60});
       ASSERT_TRUE(plan) << query << ": " << plan.error().message;
       EXPECT_TRUE(plan->report.rungs.contains(rung)) << query << ", seed " << seed;
       const auto checked =
@@ -106,7 +106,7 @@ TEST_F(Deadlocks, OneGoalForBothIsInfeasible) { expect_infeasible("one_goal"); }
 TEST_F(Deadlocks, AutoPlansTogetherWhereTheArmsBlockEachOther) {
   for (const char* query : {"swap", "parked"}) {
     const auto plan =
-        planner_.plan(cell_->query(query), {.strategy = Strategy::kAuto, .deadline = 20});
+        planner_.plan(cell_->query(query), {.strategy = Strategy::kAuto, .deadline = 60});
     ASSERT_TRUE(plan) << plan.error().message;
     EXPECT_TRUE(plan->report.rungs.contains("centralized")) << query;
   }
