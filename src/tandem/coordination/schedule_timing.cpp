@@ -133,6 +133,7 @@ std::vector<TimeMap> ScheduleTiming::fit(const std::vector<VectorXd>& places, Ve
   expects(places.size() >= 2 && intervals.size() + 1 == static_cast<Index>(places.size()),
           "a schedule of N places has N - 1 intervals");
   constexpr int kRounds = 10;
+  constexpr double kEven = 0.005;
   constexpr double kMost = 2;  ///< Of what an interval changes by in a round.
   VectorXd best = intervals.cwiseMax(kShortest);
   double least = std::numeric_limits<double>::infinity();
@@ -145,6 +146,8 @@ std::vector<TimeMap> ScheduleTiming::fit(const std::vector<VectorXd>& places, Ve
       least = makespan;
       best = intervals;
     }
+    // Where every interval is as near its limits as any other, another round gains nothing.
+    if (scales.minCoeff() > (1 - kEven) * scales.maxCoeff()) break;
     intervals.array() *= scales.array().sqrt().max(1 / kMost).min(kMost);
     intervals = intervals.cwiseMax(kShortest);
   }
