@@ -1,25 +1,19 @@
 /// Times of collision questions, by cell and instruction set: a valid configuration in a block, a
-/// valid and an invalid motion of 1 rad with its proof, and the scalar checker beside them.
-/// Cells of problem files need the test data (TANDEM_DATA_DIR, else ../shared beside the sources).
+/// valid and an invalid motion of 1 rad with its proof, and the scalar checker beside them; by pair
+/// of shapes; nearest neighbours. Cells of problem files need the test data (see cells.h).
 
 #include <benchmark/benchmark.h>
-#include <hwy/targets.h>
 
-#include <cstdio>
-#include <cstdlib>
-#include <map>
-
+#include "cells.h"
+#include "pair_benchmarks.h"
 #include "tandem/collision/batch_checker.h"
 #include "tandem/collision/certificate.h"
-#include "tandem/core/rng.h"
-#include "tandem/io/problem_file.h"
 #include "tandem/planning/nearest.h"
-#include "tandem/tandem.h"
 
 namespace {
 
 using namespace tandem;
-using Cell = std::shared_ptr<const world::Workcell>;
+using bench::Cell, bench::random_configuration;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -35,12 +29,6 @@ struct Questions {
   MatrixXd valid;
   std::vector<std::pair<VectorXd, VectorXd>> valid_edges, invalid_edges;
 };
-
-VectorXd random_configuration(Rng& rng, const world::Workcell& cell) {
-  VectorXd q(cell.dof());
-  for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = rng.uniform(cell.lower()[j], cell.upper()[j]);
-  return q;
-}
 
 Questions draw(const Cell& cell) {
   Questions drawn;
@@ -122,11 +110,12 @@ void run_compile(benchmark::State& state, const Questions& asked) {
   report(state, 1);
 }
 
-void run_nearest(benchmark::State& state) {
+void run_nearest(benchmark::State& state, std::int64_t target, int size) {
   constexpr int kDof = 7;
+  bench::use_target(target);
   planning::NearestConfigurations tree(kDof);
   Rng rng(1);
-  for (int i = 0; i < state.range(0); ++i) {
+  for (int i = 0; i < size; ++i) {
     VectorXd q(kDof);
     for (double& x : q) x = rng.uniform(-3, 3);
     tree.add(q);
@@ -134,7 +123,17 @@ void run_nearest(benchmark::State& state) {
   const VectorXd q = VectorXd::Zero(kDof);
   for (auto _ : state) benchmark::DoNotOptimize(tree.nearest(q));
 }
-BENCHMARK(run_nearest)->Arg(16)->Arg(100)->Arg(1000);
+
+void add_nearest() {
+  for (const std::int64_t target : bench::targets()) {
+    for (const int size : {16, 100, 1000, 10000}) {
+      const std::string name = "nearest/" + std::to_string(size) + "/" + hwy::TargetName(target);
+      benchmark::RegisterBenchmark(name.c_str(), [target, size](benchmark::State& state) {
+        run_nearest(state, target, size);
+      });
+    }
+  }
+}
 
 void add_cell(const std::string& name, const Cell& cell) {
   const auto asked = std::make_shared<const Questions>(draw(cell));
@@ -143,14 +142,11 @@ void add_cell(const std::string& name, const Cell& cell) {
       {"valid_state", [asked](auto& state) { run_states(state, *asked); }},
       {"valid_edge", [asked](auto& state) { run_edges(state, *asked, true); }},
       {"invalid_edge", [asked](auto& state) { run_edges(state, *asked, false); }}};
-  for (std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS; targets != 0;
-       targets &= targets - 1) {
-    const std::int64_t target = targets & -targets;
+  for (const std::int64_t target : bench::targets()) {
     for (const auto& [what, run] : batch_runs) {
       const std::string title = name + "/" + what + "/" + hwy::TargetName(target);
       benchmark::RegisterBenchmark(title.c_str(), [target, run = run](benchmark::State& state) {
-        hwy::SetSupportedTargetsForTest(target);
-        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+        bench::use_target(target);
         run(state);
       });
     }
@@ -165,33 +161,15 @@ void add_cell(const std::string& name, const Cell& cell) {
   }
 }
 
-/// The first problem of every set of a file.
-void add_problems(const std::filesystem::path& data, const std::string& model,
-                  const std::string& urdf) {
-  const std::filesystem::path robots = data / "robots" / (model + "_mbm");
-  io::ProblemRobots files;
-  files.urdf[""] = robots / urdf;
-  files.srdf[""] = robots / (model + ".srdf");
-  const auto problems = io::load_problems(data / "problems/mbm" / (model + ".json"), files);
-  if (!problems) {
-    std::fprintf(stderr, "%s\n", problems.error().message.c_str());
-    return;
-  }
-  std::map<std::string, const pipeline::BenchProblem*> first;
-  for (const pipeline::BenchProblem& problem : *problems) first.try_emplace(problem.set, &problem);
-  for (const auto& [set, problem] : first) add_cell(model + "_" + set, problem->cell().value());
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::filesystem::path source = TANDEM_SOURCE_DIR;
-  const char* folder = std::getenv("TANDEM_DATA_DIR");
-  const std::filesystem::path data = folder ? std::filesystem::path(folder) : source / "../shared";
-  add_cell("gearbox", load_workcell(source / "scenarios/gearbox/workcell.yaml").value());
-  if (std::filesystem::exists(data)) {
-    add_problems(data, "panda", "panda_spherized.urdf");
-    add_problems(data, "baxter", "baxter_spherized.urdf");
+  add_nearest();
+  bench::add_pairs();
+  const bench::NamedCell gearbox = bench::scenario("gearbox", "gearbox/workcell.yaml");
+  add_cell(gearbox.name, gearbox.cell);
+  for (const char* model : {"panda", "baxter"}) {
+    for (const auto& [name, cell] : bench::problem_cells(model)) add_cell(name, cell);
   }
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();

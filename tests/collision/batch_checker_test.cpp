@@ -13,6 +13,7 @@
 namespace tandem::collision {
 namespace {
 
+using Cell = std::shared_ptr<const world::Workcell>;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using test::for_each_target, test::kinds_of_cells;
@@ -228,6 +229,52 @@ TEST(BatchChecker, AcceptedEdgesAreFreeAtDenseSamples) {
     EXPECT_GT(accepted, 100);
     EXPECT_GT(rejected, 50);
     EXPECT_LE(missed, 2) << "free edges that were not proven";
+  });
+}
+
+/// The cell with bodies so padded that something touches at q, hardly deeper than `depth` [m].
+Cell touching_at(const VectorXd& q, double depth, test::RandomCellOptions options,
+                 std::uint64_t seed) {
+  const auto least_with = [&](double padding) {
+    options.padding = padding;
+    const SsvChecker exact(test::random_cell(seed, options));
+    const auto scratch = exact.make_scratch();
+    return exact.least_clearance(q, exact.cell().select(PairScope::all()), *scratch).distance;
+  };
+  const double bare = least_with(0);
+  if (bare <= 0) return nullptr;
+  const double per_padding = (bare - least_with(1e-3)) / 1e-3;
+  options.padding = (bare + depth) / per_padding;
+  if (std::abs(least_with(options.padding) + depth) > 0.5 * depth) return nullptr;
+  return test::random_cell(seed, options);
+}
+
+TEST(BatchChecker, EdgesThatTouchAtOnePointAreRejected) {
+  for_each_target([] {
+    int asked = 0;
+    std::uint64_t seed = 500;
+    for (const test::RandomCellOptions& options : kinds_of_cells()) {
+      for (int round = 0; round < 4; ++round) {
+        Rng rng(++seed);
+        const VectorXd q = test::random_configuration(rng, *test::random_cell(seed, options), 0.5);
+        const Cell cell = touching_at(q, 2e-6, options, seed);
+        if (!cell) continue;
+        const SsvChecker exact(cell);
+        const BatchChecker batch(exact);
+        const auto scratch = batch.make_scratch();
+        const auto pairs = batch.compile(PairScope::all());
+        for (int edge = 0; edge < 400; ++edge) {
+          const double length = std::pow(10.0, rng.uniform(-2, 0));
+          const VectorXd step = length * (test::random_configuration(rng, *cell) - q);
+          // It ends there, or passes.
+          const double beyond = edge % 2 ? 0 : rng.uniform(0, 0.25);  // Inside the limits.
+          ASSERT_FALSE(batch.is_edge_free(q - beyond * step, q + step, *pairs, *scratch))
+              << "cell " << seed << ", edge " << edge;
+          ++asked;
+        }
+      }
+    }
+    EXPECT_GT(asked, 4000);
   });
 }
 

@@ -20,12 +20,24 @@ INSTANTIATE_TEST_SUITE_P(
         PlannerCase{"default", [] { return make_rrt_connect(); }},
         PlannerCase{"short_range", [] { return with([](auto& o) { o.range = 0.2; }); }},
         PlannerCase{"unbalanced", [] { return with([](auto& o) { o.balanced = false; }); }},
-        PlannerCase{"local", [] { return with([](auto& o) { o.local_fraction = 0.5; }); }},
+        PlannerCase{"uniform", [] { return with([](auto& o) { o.local_fraction = 0; }); }},
+        PlannerCase{"near_the_line",
+                    [] {
+                      return with([](auto& o) {
+                        o.local_fraction = 0.9;
+                        o.local_radius = 0.3;
+                      });
+                    }},
         PlannerCase{"dynamic_domain", [] { return with([](auto& o) { o.domain_radius = 4; }); }}),
     case_name<PlannerCase>);
 
 INSTANTIATE_TEST_SUITE_P(Own, PathSimplifierConformance,
-                         testing::Values(SimplifierCase{"own", [] { return make_simplifier(); }}),
+                         testing::Values(SimplifierCase{"own", [] { return make_simplifier(); }},
+                                         SimplifierCase{"patient",
+                                                        [] {
+                                                          return make_simplifier(
+                                                              {.rounds = 8, .tolerance = 0.001});
+                                                        }}),
                          case_name<SimplifierCase>);
 
 TEST(RrtConnect, RefusesOptionsOutOfRange) {

@@ -27,9 +27,13 @@ class BlockChecker {
   Placement& placement() { return placement_; }
   Gaps& gaps() { return gaps_; }
 
-  /// Squared distance of the group's centre from the standing body's box.
-  HWY_INLINE V StandingGap(const BatchItem& item, const V3& center) const {
-    return PointBox(center - Fill(item.center), Fill(item.half));
+  /// From the standing body's box to a point, and the squared distance.
+  HWY_INLINE V3 FromStanding(const BatchItem& item, const V3& p) const {
+    return FromBox(p - Fill(item.center), Fill(item.half));
+  }
+  HWY_INLINE V StandingGap(const BatchItem& item, const V3& p) const {
+    const V3 e = FromStanding(item, p);
+    return Dot(e, e);
   }
   HWY_INLINE V ItemGap(const BatchItem& item) const {
     const V3 center = placement_.GroupCenter(item.group_a);

@@ -54,6 +54,8 @@ BatchChecker::Scratch::Scratch(const BatchChecker& checker)
   box_deviation.resize(joints);
   box_turn.resize(joints);
   box_travel.resize(joints * index(model.depth));
+  bend.resize(joints * index(model.depth));
+  twists.resize(6 * joints);
   edge_a.resize(model.dof);
   edge_b.resize(model.dof);
   q_.resize(model.dof);

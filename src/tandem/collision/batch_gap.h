@@ -13,13 +13,16 @@ namespace tandem::collision::HWY_NAMESPACE {
 
 // Distances are squared, with their sign.
 
+/// From the nearest point of the box to p, seen from the box.
+HWY_INLINE V3 FromBox(const V3& p, const V3& half) {
+  return {hn::Sub(p.x, Clamp(p.x, half.x)), hn::Sub(p.y, Clamp(p.y, half.y)),
+          hn::Sub(p.z, Clamp(p.z, half.z))};
+}
+
 /// Of a point, seen from the box.
 HWY_INLINE V PointBox(const V3& p, const V3& half) {
-  const V zero = hn::Zero(kFloats);
-  const V ex = hn::Max(hn::Sub(hn::Abs(p.x), half.x), zero);
-  const V ey = hn::Max(hn::Sub(hn::Abs(p.y), half.y), zero);
-  const V ez = hn::Max(hn::Sub(hn::Abs(p.z), half.z), zero);
-  return hn::MulAdd(ez, ez, hn::MulAdd(ey, ey, Square(ex)));
+  const V3 e = FromBox(p, half);
+  return Dot(e, e);
 }
 
 /// Of a point, seen from a cylinder with x along its axis.
@@ -34,11 +37,18 @@ HWY_INLINE V PointCylinder(const V3& p, const V3& half) {
 /// Guards a division: squares of lengths far below any shape's.
 HWY_INLINE V Positive(V squared) { return hn::Max(squared, Fill(1e-30F)); }
 
-/// Of a point r from the centre of a segment with half vector u.
-HWY_INLINE V PointSegment(const V3& r, const V3& u) {
+/// From the nearest point of a cylinder with x along its axis to p.
+HWY_INLINE V3 FromCylinder(const V3& p, const V3& half) {
+  const V from_axis = hn::Sqrt(Positive(hn::MulAdd(p.y, p.y, Square(p.z))));
+  const V beyond = hn::Max(hn::Sub(from_axis, half.y), hn::Zero(kFloats));
+  const V part = hn::Div(beyond, from_axis);
+  return {hn::Sub(p.x, Clamp(p.x, half.x)), hn::Mul(part, p.y), hn::Mul(part, p.z)};
+}
+
+/// From the nearest point of a segment with half vector u to a point r from its centre.
+HWY_INLINE V3 FromSegment(const V3& r, const V3& u) {
   const V t = Clamp(hn::Div(Dot(r, u), Positive(Dot(u, u))), Fill(1));
-  const V3 e = MulAdd3(hn::Neg(t), u, r);
-  return Dot(e, e);
+  return MulAdd3(hn::Neg(t), u, r);
 }
 
 /// Of two segments with half vectors u and v; r leads from the centre of the second to the first.
@@ -156,18 +166,35 @@ class Gaps {
   /// Of a point in C to a core, or to the box around an opaque one.
   HWY_INLINE V PointTo(const V3& p, int b) {
     const BatchShape& shape_b = ShapeAt(b);
-    switch (shape_b.core) {
-      case BatchCore::kPoint: {
-        const V3 r = p - Center(b);
-        return Dot(r, r);
-      }
-      case BatchCore::kSegment:
-        return PointSegment(p - Center(b), Load3(placement_.Shape(b) + 3));
-      case BatchCore::kCylinder:
-        return PointCylinder(PointInBox(p, b), Fill(shape_b.half));
-      default:
-        return PointBox(PointInBox(p, b), Fill(shape_b.half));
+    if (shape_b.core == BatchCore::kCylinder) {  // No division.
+      return PointCylinder(PointInBox(p, b), Fill(shape_b.half));
     }
+    const V3 e = FromShape(p, b);
+    return Dot(e, e);
+  }
+  /// From the nearest point of that to p, along the axes of the shape's box.
+  HWY_INLINE V3 FromShape(const V3& p, int b) {
+    const BatchShape& shape_b = ShapeAt(b);
+    switch (shape_b.core) {
+      case BatchCore::kPoint:
+        return p - Center(b);
+      case BatchCore::kSegment:
+        return FromSegment(p - Center(b), Load3(placement_.Shape(b) + 3));
+      case BatchCore::kCylinder:
+        return FromCylinder(PointInBox(p, b), Fill(shape_b.half));
+      default:
+        return FromBox(PointInBox(p, b), Fill(shape_b.half));
+    }
+  }
+  /// A direction in C along the axes that FromShape uses.
+  HWY_INLINE V3 AlongAxesOf(int shape, const V3& v) {
+    return ShapeAt(shape).core <= BatchCore::kSegment ? v : DirectionInBox(v, shape);
+  }
+
+  /// Of a point a and a core b at this distance.
+  HWY_INLINE Gap OfPoint(V squared, int a, int b) const {
+    const bool is_box = ShapeAt(b).core == BatchCore::kOpaque;
+    return {squared, is_box ? kNever : TouchBelow(ShapeAt(a), ShapeAt(b)), is_box};
   }
 
   /// Of two cores, the simpler one first.
@@ -175,16 +202,12 @@ class Gaps {
     const BatchShape& shape_a = ShapeAt(a);
     const BatchShape& shape_b = ShapeAt(b);
     if (shape_a.core > shape_b.core) return Between(b, a);
-    const float inner = shape_a.inner + shape_b.inner;
-    const float touch = inner > 0 ? inner * inner : kNever;
     const V3 p = Center(a);
-    if (shape_a.core == BatchCore::kPoint) {
-      const bool is_box = shape_b.core == BatchCore::kOpaque;
-      return {PointTo(p, b), is_box ? kNever : touch, is_box};
-    }
+    if (shape_a.core == BatchCore::kPoint) return OfPoint(PointTo(p, b), a, b);
     if (shape_a.core == BatchCore::kSegment) {
       const bool is_box = shape_b.core > BatchCore::kBox;
-      return {SegmentTo(p, Load3(placement_.Shape(a) + 3), b), is_box ? kNever : touch, is_box};
+      const V squared = SegmentTo(p, Load3(placement_.Shape(a) + 3), b);
+      return {squared, is_box ? kNever : TouchBelow(shape_a, shape_b), is_box};
     }
     const float margin = 0.5F * (shape_a.outer - shape_a.inner + shape_b.outer - shape_b.inner);
     const bool is_box = shape_b.core > BatchCore::kBox;
@@ -193,6 +216,11 @@ class Gaps {
 
  private:
   static constexpr float kNever = -std::numeric_limits<float>::infinity();
+
+  static float TouchBelow(const BatchShape& a, const BatchShape& b) {
+    const float inner = a.inner + b.inner;
+    return inner > 0 ? inner * inner : kNever;
+  }
 
   HWY_INLINE V3 DirectionInBox(const V3& v, int shape) {
     if (ShapeAt(shape).aligned) return v;

@@ -362,7 +362,6 @@ void add_body(const BoxedBody& boxed, BatchModel& model) {
                     ? to_sphere({Vector3d(first->p_JC[0], first->p_JC[1], first->p_JC[2]),
                                  static_cast<double>(first->bound())})
                     : to_sphere(enclosing_ball(balls_of(model, body)));
-  model.measure_spans(body);
   body.is_spheres = std::all_of(first, model.shapes.end(), [](const BatchShape& shape) {
     return shape.core == BatchCore::kPoint;
   });
@@ -405,17 +404,24 @@ BatchModel::BatchModel(const world::Workcell& cell) : dof(cell.dof()) {
   margin = margin_of(*this, boxes);
   for (const BoxedBody& body : boxed) add_body(body, *this);
   bound_groups(*this);
+  for (BatchBody& body : bodies) measure_spans(body);
   bound_levers(*this);
 }
 
-void BatchModel::measure_spans(const BatchBody& body) {
+void BatchModel::measure_spans(BatchBody& body) {
+  const auto distance = [](const Vector3f3& a, const Vector3f3& b) {
+    double squared = 0;
+    for (std::size_t i = 0; i < 3; ++i) squared += std::pow(static_cast<double>(a[i]) - b[i], 2);
+    return 1.00001 * std::sqrt(squared);
+  };
+  const Vector3f3& body_center = body.sphere.p_JC;
+  const Vector3f3& group_center =
+      body.joint < 0 ? body_center : groups[static_cast<std::size_t>(body.joint)].p_JC;
+  body.offset = round_up(distance(body_center, group_center));
   for (int s = body.first_shape; s < body.first_shape + body.shape_count; ++s) {
     BatchShape& shape = shapes[static_cast<std::size_t>(s)];
-    double squared = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      squared += std::pow(static_cast<double>(shape.p_JC[i]) - body.sphere.p_JC[i], 2);
-    }
-    shape.span = round_up(1.00001 * std::sqrt(squared) + shape.circumradius);
+    shape.span = round_up(distance(shape.p_JC, body_center) + shape.circumradius);
+    shape.offset = round_up(distance(shape.p_JC, group_center) + shape.circumradius);
   }
 }
 

@@ -49,7 +49,8 @@ struct BatchShape {
   Vector3f3 half;             ///< [m]
   float outer, inner;         ///< Radius plus and minus the margin [m].
   float circumradius;         ///< Of the core's box about its centre [m].
-  float span;                 ///< Most distance of the core from its body's centre [m].
+  float span;                 ///< Most distance of the core from its body's centre [m],
+  float offset;               ///< and from its group's.
   float bound() const { return circumradius + outer; }
 };
 
@@ -57,6 +58,7 @@ struct BatchBody {
   int joint;
   int first_shape, shape_count;
   BatchSphere sphere;
+  float offset = 0;         ///< Of its centre from its group's [m].
   bool is_spheres = false;  ///< All its shapes.
   /// Standing bodies: the box along C's axes around all cores, and their largest radius.
   Vector3f3 p_CB{}, half{};
@@ -79,8 +81,8 @@ struct BatchModel {
   Eigen::Isometry3d X_CW;
 
   explicit BatchModel(const world::Workcell& cell);
-  /// Fills the spans of a body's shapes.
-  void measure_spans(const BatchBody& body);
+  /// Fills the spans of a body's shapes, and its own and their offsets.
+  void measure_spans(BatchBody& body);
   int common_joint(int a, int b) const;
   int depth_of(int joint) const {
     return joint < 0 ? 0 : joints[static_cast<std::size_t>(joint)].depth;

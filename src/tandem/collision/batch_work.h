@@ -86,6 +86,8 @@ class BatchChecker::Scratch {
   std::vector<float> deviation;  ///< Of a joint's value per unit of s, upwards.
   std::vector<float> turn;       ///< The same summed over the turning joints down to this one.
   std::vector<float> travel;     ///< Of a group's centre per unit of s by the joints below a depth.
+  std::vector<float> bend;       ///< The same of its velocity, with all joints above turning.
+  std::vector<LaneRow> twists;   ///< Of joints, 6 rows each: angular and linear, see Travels.
   std::vector<int> pending, next_pending;   ///< Items not proven yet, and
   std::vector<EdgePart> parts, next_parts;  ///< where; all of one length:
   double half_length = 0;                   ///< [s]

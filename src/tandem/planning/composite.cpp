@@ -30,6 +30,7 @@ class ArmValidity final : public Validity {
     to_.segment(arm_.offset, arm_.dof) = b;
     return arm_.alone->edge(from_, to_);
   }
+  bool holds_in_part() const override { return arm_.alone->holds_in_part(); }
   const ValidityStats& stats() const override { return arm_.alone->stats(); }
 
  private:
@@ -88,41 +89,52 @@ class CompositePlanner final : public PathPlanner {
  public:
   explicit CompositePlanner(const CompositeOptions& options)
       : options_(options), everything_(make_rrt_connect(options.search)) {
-    expects(options.tries >= 0 && options.first_samples > 0 && options.arm_samples > 0 &&
-                options.coordination_samples > 0,
+    expects(options.tries >= 0 && options.first_samples > 0 && options.again_samples > 0 &&
+                options.arm_samples > 0 && options.coordination_samples > 0,
             "tries are not negative, samples positive");
     RrtConnectOptions search = options.search;
     search.most_samples = options.first_samples;
     first_ = make_rrt_connect(search);
+    search.most_samples = options.again_samples;
+    again_ = make_rrt_connect(search);
     search.most_samples = options.arm_samples;
+    search.local_radius = options.arm_local_radius;
     arm_ = make_rrt_connect(search);
     search.most_samples = options.coordination_samples;
     search.range = 0.2;  // Of paths of length 1.
+    search.local_fraction = 0;
     coordination_ = make_rrt_connect(search);
   }
 
   Result<JointPath> plan(const PathProblem& problem, Validity& validity, std::uint64_t seed,
                          const StopCondition& stop) const override {
+    if (!validity.splits_by_arm()) return everything_->plan(problem, validity, seed, stop);
     auto first = first_->plan(problem, validity, seed, stop);
     if (first || first.error().code != ErrorCode::kNoPath) return first;
     Rng rng(seed);
-    ArmQuestions* questions = validity.by_arm();
-    if (!questions || questions->arms.size() < 2) {
-      return everything_->plan(problem, validity, rng.split(), stop);
-    }
-    for (int k = 0; k < options_.tries && !stop(); ++k) {
-      const auto path = attempt(problem, validity, *questions, rng, stop);
-      if (path) return *path;
+    ArmQuestions& questions = *validity.by_arm();
+    bool may_differ = true;
+    for (int k = 0; k < options_.tries && may_differ && !stop(); ++k) {
+      if (const auto paths = arm_paths(problem, questions, rng, stop)) {
+        if (const auto path = coordinated(problem, validity, questions, *paths, rng, stop)) {
+          return *path;
+        }
+        // Straight edges are what every seed finds first.
+        may_differ =
+            std::ranges::any_of(*paths, [](const JointPath& path) { return path.size() > 2; });
+      }
+      first = again_->plan(problem, validity, rng.split(), stop);
+      if (first || first.error().code != ErrorCode::kNoPath) return first;
     }
     return everything_->plan(problem, validity, rng.split(), stop);
   }
 
  private:
-  /// One path per arm, coordinated; nothing if that fails.
-  std::optional<JointPath> attempt(const PathProblem& problem, Validity& validity,
-                                   ArmQuestions& questions, Rng& rng,
-                                   const StopCondition& stop) const {
-    std::vector<MeasuredPath> paths;
+  /// One path per arm, as if it were alone; nothing if an arm finds none.
+  std::optional<std::vector<JointPath>> arm_paths(const PathProblem& problem,
+                                                  ArmQuestions& questions, Rng& rng,
+                                                  const StopCondition& stop) const {
+    std::vector<JointPath> paths;
     for (const ArmQuestions::Arm& arm : questions.arms) {
       const auto part = [&](const VectorXd& q) { return VectorXd(q.segment(arm.offset, arm.dof)); };
       const PathProblem own{part(problem.start), part(problem.goal), part(problem.lower),
@@ -130,8 +142,17 @@ class CompositePlanner final : public PathPlanner {
       ArmValidity alone(arm, problem.start);
       auto path = arm_->plan(own, alone, rng.split(), stop);
       if (!path) return std::nullopt;
-      paths.emplace_back(simplifier_->simplify(own, std::move(*path), alone, rng.split(), stop));
+      paths.push_back(simplifier_->simplify(own, std::move(*path), alone, rng.split(), stop));
     }
+    return paths;
+  }
+
+  /// A path of all arms along theirs; nothing if they are in each other's way.
+  std::optional<JointPath> coordinated(const PathProblem& problem, Validity& validity,
+                                       ArmQuestions& questions,
+                                       const std::vector<JointPath>& arm_paths, Rng& rng,
+                                       const StopCondition& stop) const {
+    std::vector<MeasuredPath> paths(arm_paths.begin(), arm_paths.end());
     Coordination coordination(questions, std::move(paths), problem.start.size());
     const auto way = coordinate(coordination, rng, stop);
     if (!way) return std::nullopt;
@@ -141,6 +162,7 @@ class CompositePlanner final : public PathPlanner {
     }
     path.back() = problem.goal;
     path = without_duplicates(path);
+    if (validity.holds_in_part()) return path;
     // Edges were judged in parts and as parts of longer ones.
     for (std::size_t i = 1; i < path.size(); ++i) {
       if (!validity.edge(path[i - 1], path[i])) return std::nullopt;
@@ -171,7 +193,7 @@ class CompositePlanner final : public PathPlanner {
   }
 
   CompositeOptions options_;
-  std::unique_ptr<PathPlanner> everything_, first_, arm_, coordination_;
+  std::unique_ptr<PathPlanner> everything_, first_, again_, arm_, coordination_;
   std::unique_ptr<PathSimplifier> simplifier_ = make_simplifier();
 };
 

@@ -14,6 +14,10 @@ class NearestConfigurations {
   explicit NearestConfigurations(int dof);
 
   int size() const { return size_; }
+  /// Takes memory for so many configurations.
+  void reserve(std::size_t count) {
+    rows_.reserve((count + kBlock - 1) / kBlock * static_cast<std::size_t>(dof_));
+  }
   /// Keeps the memory.
   void clear() { size_ = 0; }
   /// @param q  dof, finite.

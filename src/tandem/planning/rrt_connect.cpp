@@ -17,7 +17,13 @@ namespace {
 /// Nodes with their parents; node 0 is the root.
 class Tree {
  public:
-  explicit Tree(Index dof) : dof_(dof), near_(static_cast<int>(dof)) {}
+  explicit Tree(Index dof) : dof_(dof), near_(static_cast<int>(dof)) {
+    constexpr std::size_t kUsualSize = 64;  // Most trees grow without allocating.
+    nodes_.reserve(kUsualSize * static_cast<std::size_t>(dof));
+    near_.reserve(kUsualSize);
+    parents_.reserve(kUsualSize);
+    reach_squared_.reserve(kUsualSize);
+  }
 
   int size() const { return static_cast<int>(parents_.size()); }
   Eigen::Map<const VectorXd> node(int i) const { return {nodes_.data() + i * dof_, dof_}; }
@@ -55,6 +61,29 @@ class Tree {
   NearestConfigurations near_;
   std::vector<int> parents_;
   std::vector<double> reach_squared_;
+};
+
+/// Asks a stop condition now and then: its clock costs as much as a part of a sample.
+class PatientStop {
+ public:
+  explicit PatientStop(const StopCondition& stop) : stop_(stop) {}
+  /// As late as the last few questions took together, at most a tenth of a millisecond.
+  bool operator()() {
+    if (stop_.cancelled()) return true;
+    if (--left_ > 0) return false;
+    const auto now = Clock::now();
+    const bool quick = now - last_ < std::chrono::microseconds(100);
+    last_ = now;
+    stride_ = quick ? std::min(2 * stride_, kLongestStride) : 1;
+    left_ = stride_;
+    return stop_();
+  }
+
+ private:
+  static constexpr int kLongestStride = 16;
+  const StopCondition& stop_;
+  Clock::time_point last_{};
+  int stride_ = 1, left_ = 0;
 };
 
 /// One search.
@@ -152,9 +181,10 @@ Result<JointPath> Search::run(const StopCondition& stop) {
     return JointPath{problem_.start, problem_.goal};
   }
   VectorXd q;
+  PatientStop stopped(stop);
   int grown = 0;
   for (long samples = 0; samples < options_.most_samples; ++samples, grown = 1 - grown) {
-    if (stop()) return std::unexpected(stop.error("path planning"));
+    if (stopped()) return std::unexpected(stop.error("path planning"));
     if (options_.balanced) grown = trees_[0].size() <= trees_[1].size() ? 0 : 1;
     sample(q);
     const int node = extend(trees_[grown], q);

@@ -12,8 +12,8 @@ struct RrtConnectOptions {
   /// Part of the samples drawn near the straight line from start to goal, in [0, 1): at most
   /// `local_radius` beside it, per joint [rad or m], > 0. The rest are uniform, so that the search
   /// stays probabilistically complete.
-  double local_fraction = 0.0;
-  double local_radius = 0.5;
+  double local_fraction = 0.7;
+  double local_radius = 1.0;
   /// Nodes that failed to extend are only extended towards samples nearer than this many ranges,
   /// > 0; infinity: all are. Ref: Yershova et al., Dynamic-Domain RRTs (2005).
   double domain_radius = std::numeric_limits<double>::infinity();

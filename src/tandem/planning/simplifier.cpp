@@ -14,7 +14,7 @@ using motion::JointPath;
 namespace {
 
 /// What one edge must save to be worth its check, as a fraction of the path.
-constexpr double kWorthwhile = 1e-3;
+constexpr double kWorthwhile = 5e-3;
 constexpr int kCornerTries = 3;
 
 /// One path on its way.
@@ -33,6 +33,8 @@ class Simplification {
   };
 
   void drop_waypoints();
+  void drop_single_waypoints();
+  void drop(std::size_t first, std::size_t last);
   void shortcut();
   void cut_corners();
   /// Cuts the corner at waypoint i.   @return whether it did.
@@ -40,6 +42,10 @@ class Simplification {
   Place place(double length) const;
   VectorXd position(const Place& place) const {
     return path_[place.edge] + place.at * (path_[place.edge + 1] - path_[place.edge]);
+  }
+  /// Whether a part of an edge of the path is valid.
+  bool is_kept(const VectorXd& a, const VectorXd& b) {
+    return validity_.holds_in_part() || validity_.edge(a, b);
   }
   double length(std::size_t edge) const { return (path_[edge + 1] - path_[edge]).norm(); }
 
@@ -51,18 +57,21 @@ class Simplification {
 };
 
 JointPath Simplification::run(const SimplifierOptions& options) {
-  total_ = motion::joint_length(path_);
   drop_waypoints();
   for (int round = 0; round < options.rounds && path_.size() > 2 && !stop_(); ++round) {
-    const double before = total_;
-    const auto tries = path_.size() * static_cast<std::size_t>(options.shortcuts_per_waypoint);
-    for (std::size_t k = 0; k < tries && path_.size() > 2 && !stop_(); ++k) shortcut();
+    const double before = total_ = motion::joint_length(path_);
     cut_corners();
-    drop_waypoints();
-    total_ = motion::joint_length(path_);
-    if (before - total_ < options.tolerance * before) break;
+    for (int k = 0; k < options.shortcuts && path_.size() > 2 && !stop_(); ++k) shortcut();
+    drop_single_waypoints();
+    if (before - motion::joint_length(path_) < options.tolerance * before) break;
   }
   return std::move(path_);
+}
+
+/// Removes the waypoints between two.
+void Simplification::drop(std::size_t first, std::size_t last) {
+  path_.erase(path_.begin() + static_cast<std::ptrdiff_t>(first) + 1,
+              path_.begin() + static_cast<std::ptrdiff_t>(last));
 }
 
 /// From each waypoint straight to the last one that can be seen, looking from the far end.
@@ -70,12 +79,21 @@ void Simplification::drop_waypoints() {
   for (std::size_t i = 0; i + 2 < path_.size(); ++i) {
     for (std::size_t k = path_.size() - 1; k > i + 1 && !stop_(); --k) {
       if (!validity_.edge(path_[i], path_[k])) continue;
-      path_.erase(path_.begin() + static_cast<std::ptrdiff_t>(i) + 1,
-                  path_.begin() + static_cast<std::ptrdiff_t>(k));
+      drop(i, k);
       break;
     }
   }
-  total_ = motion::joint_length(path_);
+}
+
+/// Leaves out one waypoint at a time: more is rare where corners were cut.
+void Simplification::drop_single_waypoints() {
+  for (std::size_t i = 0; i + 2 < path_.size() && !stop_();) {
+    if (validity_.edge(path_[i], path_[i + 2])) {
+      drop(i, i + 2);
+    } else {
+      ++i;
+    }
+  }
 }
 
 Simplification::Place Simplification::place(double at) const {
@@ -101,7 +119,7 @@ void Simplification::shortcut() {
   const bool keeps_from = (a - path_[from.edge]).norm() >= kSameWaypoint;
   const bool keeps_to = (path_[to.edge + 1] - b).norm() >= kSameWaypoint;
   if (!keeps_from || !keeps_to) return;
-  if (!validity_.edge(path_[from.edge], a) || !validity_.edge(b, path_[to.edge + 1])) return;
+  if (!is_kept(path_[from.edge], a) || !is_kept(b, path_[to.edge + 1])) return;
   const auto first = path_.begin() + static_cast<std::ptrdiff_t>(from.edge) + 1;
   const auto last = path_.begin() + static_cast<std::ptrdiff_t>(to.edge) + 1;
   path_.insert(path_.erase(first, last), {a, b});
@@ -109,14 +127,14 @@ void Simplification::shortcut() {
 }
 
 bool Simplification::cut(std::size_t i) {
-  double part = 0.5;
+  // About the middle of both edges: drawn, so that another seed finds another path.
+  double part = rng_.uniform(0.4, 0.6);
   for (int tries = 0; tries < kCornerTries; ++tries, part *= 0.5) {
     const VectorXd a = path_[i] + part * (path_[i - 1] - path_[i]);
     const VectorXd b = path_[i] + part * (path_[i + 1] - path_[i]);
     const double saved = (a - path_[i]).norm() + (path_[i] - b).norm() - (b - a).norm();
     if (saved < kWorthwhile * total_) return false;
-    if (!validity_.edge(a, b) || !validity_.edge(path_[i - 1], a) ||
-        !validity_.edge(b, path_[i + 1])) {
+    if (!validity_.edge(a, b) || !is_kept(path_[i - 1], a) || !is_kept(b, path_[i + 1])) {
       continue;
     }
     path_[i] = a;
@@ -135,7 +153,7 @@ void Simplification::cut_corners() {
 class Simplifier final : public PathSimplifier {
  public:
   explicit Simplifier(const SimplifierOptions& options) : options_(options) {
-    expects(options.rounds >= 1 && options.tolerance >= 0 && options.shortcuts_per_waypoint >= 0,
+    expects(options.rounds >= 1 && options.tolerance >= 0 && options.shortcuts >= 0,
             "at least one round; counts and tolerance are not negative");
   }
 

@@ -94,6 +94,7 @@ class CertifiedValidity final : public Validity {
         forward ? motion::StraightEdge(a, b) : motion::StraightEdge(b, a);
     return collision::certify(checker_, edge, selection_, *scratch_, options_, stop_).is_free();
   }
+  bool holds_in_part() const override { return true; }
 
  private:
   const collision::SsvChecker& checker_;
@@ -125,8 +126,9 @@ class BatchValidity final : public Validity {
     ++stats_->edges;
     return checker_.is_edge_free(a, b, *pairs_, *scratch_, stop_);
   }
+  bool holds_in_part() const override { return true; }
   const ValidityStats& stats() const override { return *stats_; }
-  /// Made when first asked for: most queries are answered without.
+  bool splits_by_arm() const override { return compiled_ != nullptr; }
   ArmQuestions* by_arm() override {
     if (!compiled_) return nullptr;
     if (!by_arm_) split();
@@ -203,7 +205,7 @@ std::unique_ptr<Validity> make_batch_validity_by_arm(const collision::CompiledCe
                                                      const StopCondition& stop) {
   auto validity = std::make_unique<BatchValidity>(cell.batch(), cell.pairs(world::PairScope::all()),
                                                   stop, std::make_shared<ValidityStats>());
-  validity->allow_split(cell);
+  if (cell.cell().arms().size() > 1) validity->allow_split(cell);
   return validity;
 }
 

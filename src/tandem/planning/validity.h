@@ -25,8 +25,13 @@ class Validity {
   virtual bool state(const Eigen::VectorXd& q) = 0;
   /// The edge between a and b, both ends included; the same answer for (b, a).
   virtual bool edge(const Eigen::VectorXd& a, const Eigen::VectorXd& b) = 0;
+  /// Whether parts of an accepted edge need not be asked about: a proof covers them, samples do
+  /// not.
+  virtual bool holds_in_part() const { return false; }
   virtual const ValidityStats& stats() const = 0;
-  /// The same questions by who moves; null where they cannot be split. Counted in stats().
+  /// Whether the same questions can be asked by who moves. Then by_arm() is not null, and made when
+  /// it is first asked for; what it answers is counted in stats().
+  virtual bool splits_by_arm() const { return false; }
   virtual ArmQuestions* by_arm() { return nullptr; }
 };
 
