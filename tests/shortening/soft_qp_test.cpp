@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <ctime>
 #include <nlopt.hpp>
 
 #include "tandem/core/contract.h"
@@ -145,6 +146,18 @@ TEST(SoftQp, WithoutConstraintsItIsALinearSolveInABox) {
   ASSERT_TRUE(factors.factorise());
   factors.solve_in_place(x);
   EXPECT_LT((solve(qp, 1e-10).x - x).norm(), 1e-4 * x.norm());
+}
+
+TEST(SoftQp, StopsInTheMiddleOfALargeProgram) {
+  Rng rng(4);
+  const SoftQp qp = random_qp(14, 158, 1200, rng);
+  const std::clock_t begin = std::clock();
+  const QpSolution solution = solve(qp, 1e-9, {}, StopCondition::after(0.02));
+  // Of processor time: others may hold this program up.
+  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 0.1);
+  EXPECT_FALSE(solution.converged);
+  EXPECT_TRUE((solution.x.array() > qp.lower.array()).all());
+  EXPECT_TRUE((solution.x.array() < qp.upper.array()).all());
 }
 
 TEST(SoftQp, RefusesAStartOutsideItsBounds) {

@@ -70,6 +70,8 @@ constexpr int kAtOnce = 2;  // Constraints of a group, added in one round.
 /// min q(l) = l^T S l / 2 - c^T l over 0 <= l <= most, which grows by rows.
 class DualProblem {
  public:
+  explicit DualProblem(const StopCondition& stop) : stop_(stop) {}
+
   VectorXd lambda;
 
   Index size() const { return lambda.size(); }
@@ -84,6 +86,7 @@ class DualProblem {
   double value(const VectorXd& l) const { return l.dot(0.5 * (S() * l) - c_); }
   Eigen::Ref<const Eigen::MatrixXd> S() const { return S_.topLeftCorner(size(), size()); }
 
+  const StopCondition& stop_;
   Eigen::MatrixXd S_;
   VectorXd c_, most_;
   std::vector<Index> free_;
@@ -116,7 +119,7 @@ void DualProblem::find_free(const VectorXd& gradient) {
 VectorXd DualProblem::direction(const VectorXd& gradient) {
   constexpr double kSingular = 1e-10;  // Constraints may depend on each other.
   VectorXd all = VectorXd::Zero(size());
-  while (!free_.empty()) {
+  while (!free_.empty() && !stop_()) {
     Eigen::MatrixXd part = S_(free_, free_);
     part.diagonal() *= 1 + kSingular;
     const VectorXd d = part.llt().solve(-gradient(free_));
@@ -141,7 +144,7 @@ void DualProblem::solve() {
   if (size() == 0) return;
   const double flat = kFlat * (1e-3 + c_.cwiseAbs().maxCoeff());
   double now = value(lambda);
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMostSteps && !stop_(); ++i) {
     const VectorXd gradient = S() * lambda - c_;
     find_free(gradient);
     double steepest = 0;
@@ -184,13 +187,15 @@ VectorXd DualProblem::to_first_side(const VectorXd& d) const {
 
 class ActiveSet {
  public:
-  ActiveSet(const SoftQp& qp, double tolerance)
+  ActiveSet(const SoftQp& qp, double tolerance, const StopCondition& stop)
       : qp_(qp),
         tolerance_(tolerance),
+        stop_(stop),
         size_(qp.H.block_size()),
         bounds_(qp.bounds()),
         factors_(qp.H),
-        is_known_(static_cast<std::size_t>(bounds_.size() + 2 * qp.g.size()), false) {}
+        is_known_(static_cast<std::size_t>(bounds_.size() + 2 * qp.g.size()), false),
+        dual_(stop) {}
 
   QpSolution run(const ArrayXd& multipliers);
 
@@ -210,6 +215,7 @@ class ActiveSet {
 
   const SoftQp& qp_;
   const double tolerance_;
+  const StopCondition& stop_;
   const Index size_;
   const ArrayXd bounds_;
   math::BlockTridiagonal factors_;
@@ -266,6 +272,7 @@ bool ActiveSet::add_broken(const VectorXd& x, const ArrayXd& lacking) {
   const std::size_t before = rows_.size();
   Index k = 0;
   for (const SoftQp::Group& group : qp_.groups) {
+    if (stop_()) break;
     for (int n = 0; n < kAtOnce; ++n) {
       Index worst = -1;
       double most = 0;
@@ -278,7 +285,7 @@ bool ActiveSet::add_broken(const VectorXd& x, const ArrayXd& lacking) {
     }
     k += group.count();
   }
-  for (Index j = 0; j < x.size(); ++j) {
+  for (Index j = 0; j < x.size() && !stop_(); ++j) {
     const Index lower = bounds_.size() + j, upper = lower + x.size();
     if (x[j] < qp_.lower[j] && !is_known_[static_cast<std::size_t>(lower)]) add_side(lower, 0);
     if (x[j] > qp_.upper[j] && !is_known_[static_cast<std::size_t>(upper)]) add_side(upper, 0);
@@ -344,12 +351,13 @@ QpSolution ActiveSet::run(const ArrayXd& multipliers) {
     Index k = 0;
     for (const SoftQp::Group& group : qp_.groups) {
       for (Index i = 0; i < group.count(); ++i, ++k) {
-        if (multipliers[k] > 0) add(k, &group, i, std::min(multipliers[k], qp_.penalty));
+        if (multipliers[k] > 0 && !stop_())
+          add(k, &group, i, std::min(multipliers[k], qp_.penalty));
       }
     }
   }
   ArrayXd lacking;
-  while (solution.rounds < kMostRounds) {
+  while (solution.rounds < kMostRounds && !stop_()) {
     ++solution.rounds;
     dual_.solve();
     const VectorXd x = primal();
@@ -367,7 +375,8 @@ QpSolution ActiveSet::run(const ArrayXd& multipliers) {
 
 }  // namespace
 
-QpSolution solve(const SoftQp& qp, double tolerance, const ArrayXd& multipliers) {
+QpSolution solve(const SoftQp& qp, double tolerance, const ArrayXd& multipliers,
+                 const StopCondition& stop) {
   const Index size = qp.g.size();
   expects(size == Index{qp.H.block_size()} * qp.H.block_count() && qp.lower.size() == size &&
               qp.upper.size() == size,
@@ -375,7 +384,7 @@ QpSolution solve(const SoftQp& qp, double tolerance, const ArrayXd& multipliers)
   expects((qp.lower.array() < 0).all() && (qp.upper.array() > 0).all(),
           "0 lies strictly between the bounds");
   expects(qp.penalty > 0 && tolerance > 0, "penalty and tolerance are positive");
-  return ActiveSet(qp, tolerance).run(multipliers);
+  return ActiveSet(qp, tolerance, stop).run(multipliers);
 }
 
 }  // namespace tandem::shortening

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "tandem/core/stop.h"
 #include "tandem/math/block_tridiagonal.h"
 
 namespace tandem::shortening {
@@ -59,8 +60,10 @@ struct QpSolution {
 /// @param tolerance  on the duality gap, relative to the objective's fall from x = 0, which must
 /// lie between the bounds.
 /// @param multipliers  where to begin, one per constraint; empty: 0.
+/// @param stop  ends it within milliseconds, with the best so far, which has not converged.
 /// Ref: Bertsekas, Projected Newton methods for optimization problems with simple constraints
 /// (1982).
-QpSolution solve(const SoftQp& qp, double tolerance, const Eigen::ArrayXd& multipliers = {});
+QpSolution solve(const SoftQp& qp, double tolerance, const Eigen::ArrayXd& multipliers = {},
+                 const StopCondition& stop = {});
 
 }  // namespace tandem::shortening

@@ -16,7 +16,7 @@ using motion::JointPath;
 
 namespace {
 
-constexpr double kActivation = 0.015;  // [m] beyond the clearance: pairs a step might bring near.
+constexpr double kActivation = 0.008;  // [m] beyond the clearance: pairs a step might bring near.
 constexpr double kDamping = 0.02;      // Of differences between neighbouring steps.
 constexpr double kLongestStep = 0.6;   // [rad or m] per joint.
 // What makes steps shorter: added to the Hessian's diagonal, against its mean,
@@ -342,7 +342,8 @@ Shortening Search::run(const JointPath& start) {
     if (fresh) linearise(best);
     brake(slow);
     qp_.penalty = penalty;
-    const QpSolution solution = solve(qp_, kQpTolerance, multipliers_);
+    const QpSolution solution = solve(qp_, kQpTolerance, multipliers_, stop_);
+    if (stop_()) continue;  // What it found so far is worth no proof.
     const double foreseen =
         qp_.value(VectorXd::Zero(solution.x.size()), kEnough) - qp_.value(solution.x, kEnough);
     const double now = best.merit(scale_, penalty);
