@@ -16,13 +16,13 @@ using motion::JointPath;
 
 namespace {
 
-constexpr double kActivation = 0.008;  // [m] beyond the clearance: pairs a step might bring near.
+constexpr double kActivation = 0.004;  // [m] beyond the clearance: pairs a step might bring near.
 constexpr double kDamping = 0.02;      // Of differences between neighbouring steps.
 constexpr double kLongestStep = 0.6;   // [rad or m] per joint.
 // What makes steps shorter: added to the Hessian's diagonal, against its mean,
 constexpr double kFirstBrake = 0.05;  // once a step was too long,
 constexpr double kMostBrake = 1e3;    // and giving up beyond this.
-constexpr double kQpTolerance = 3e-2;
+constexpr double kQpTolerance = 6e-2;
 constexpr double kFirstPenalty = 2.0;  // Per clearance lacking; the objective is scaled to 1.
 constexpr double kMostPenalty = 1e3;
 constexpr double kEnough = 2e-2;  // Of the clearance may lack when the search ends.
