@@ -25,8 +25,8 @@ double node_slack(SsvScratch& scratch, const SsvPair& pair, int a, int b) {
 /// as placed.
 class Descent {
  public:
-  Descent(SsvScratch& scratch, const SsvPair& pair, double target)
-      : scratch_(scratch), pair_(pair), target_(target) {}
+  Descent(SsvScratch& scratch, const SsvPair& pair, double target, double enough)
+      : scratch_(scratch), pair_(pair), target_(target), enough_(enough) {}
 
   double slack(int a, int b) const { return node_slack(scratch_, pair_, a, b); }
   double core_slack(int leaf, int side, int node) const {
@@ -64,7 +64,7 @@ class Descent {
 
   SsvScratch& scratch_;
   const SsvPair& pair_;
-  double target_;
+  double target_, enough_;
 };
 
 /// Upper bound of n.p over the box for all p of the core of a leaf.
@@ -72,14 +72,18 @@ double Descent::furthest(const Vector3d& n_W, int leaf, int side, bool rigid) co
   const geometry::Shape& shape_W = scratch_.piece(leaf, side);
   if (rigid) return n_W.dot(shape_W.support(n_W));
   const int joint = scratch_.model().node(leaf).joint;
-  double most = -kInfinity, most_travel = 0;
+  const double top = n_W.dot(shape_W.support(n_W));
+  const bool is_hull = shape_W.type() != geometry::CoreType::kCylinder;
+  // Vertices that stay below where the furthest one is already say nothing.
+  const double below = is_hull ? top - scratch_.core_travel(leaf, pair_.shared, side) : -kInfinity;
+  double most = top, most_travel = 0;
   scratch_.for_each_vertex(leaf, side, [&](const Vector3d& v_W) {
+    if (n_W.dot(v_W) < below) return;
     const double travel = scratch_.travel_along(n_W, joint, pair_.common, v_W);
     most = std::max(most, n_W.dot(v_W) + travel);
     most_travel = std::max(most_travel, travel);
   });
-  if (shape_W.type() != geometry::CoreType::kCylinder) return most;
-  return std::min(most, n_W.dot(shape_W.support(n_W)) + most_travel);  // The hull is wider.
+  return is_hull ? most : std::min(most, top + most_travel);  // The hull of a cylinder is wider.
 }
 
 /// Lower bound of the distance of two pieces over the box: that of the planes which support them
@@ -90,9 +94,15 @@ double Descent::distance_over_box(const NearNodes& near) const {
   const geometry::Clearance c = geometry::clearance(a_W, b_W);
   if (!(c.distance > 0)) return -kInfinity;
   if (c.distance <= target_) return c.distance;
-  return -furthest(-c.nhat_BA_W, near.a, 0, pair_.rigid_a) -
-         furthest(c.nhat_BA_W, near.b, 1, pair_.rigid_b) - a_W.radius() - b_W.radius() -
-         kBoxRounding;
+  // In all directions first: that is kept by leaf.
+  const double any_way = c.distance - scratch_.core_travel(near.a, pair_.shared, 0) -
+                         scratch_.core_travel(near.b, pair_.shared, 1) - kBoxRounding;
+  if (any_way > enough_) return any_way;
+  const double without_b = -furthest(-c.nhat_BA_W, near.a, 0, pair_.rigid_a) - a_W.radius() -
+                           b_W.radius() - kBoxRounding;
+  const double at_most = without_b - c.nhat_BA_W.dot(b_W.support(c.nhat_BA_W));
+  if (at_most <= target_) return at_most;
+  return without_b - furthest(c.nhat_BA_W, near.b, 1, pair_.rigid_b);
 }
 
 /// Looks for two pieces that overlap everywhere. A signed distance of convex pieces is the largest
@@ -103,9 +113,9 @@ struct OverlapQuery : PlacedQuery {
     const geometry::Shape& b_W = scratch.piece(near.b, 1);
     const double distance = geometry::clearance(a_W, b_W).distance;
     if (!(distance < 0)) return 0.0;
-    const double travel = scratch.core_travel(near.a, pair.shared, 0) +
-                          scratch.core_travel(near.b, pair.shared, 1) + kBoxRounding;
-    found = distance + travel < 0;
+    const double of_a = scratch.core_travel(near.a, pair.shared, 0) + kBoxRounding;
+    found =
+        distance + of_a < 0 && distance + of_a + scratch.core_travel(near.b, pair.shared, 1) < 0;
     return found ? -kInfinity : 0.0;
   }
 
@@ -123,7 +133,7 @@ PairOnBox examine_on_box(SsvScratch& scratch, const SsvPair& pair, double target
   }
   const double apart = scratch.sphere_distance(pair.a, pair.b);
   if (apart - taken > target) return {Finding::kApart, apart - taken};
-  Descent descent(scratch, pair, target);
+  Descent descent(scratch, pair, target, std::max(target, enough));
   const double least_skipped = visit_near(scratch, pair, target, descent);
   return {descent.finding, std::min(descent.bound, least_skipped)};
 }

@@ -16,6 +16,7 @@ SsvScratch::SsvScratch(const SsvModel& model)
       chord_(model.joints.size()),
       turn_(model.joints.size()),
       travel_(p_WC_.size() * static_cast<std::size_t>(model.depth)),
+      core_travel_(static_cast<std::size_t>(model.shape_slots)),
       pose_time_(model.joints.size()),
       center_time_(p_WC_.size()),
       shape_time_(static_cast<std::size_t>(model.shape_slots)),
@@ -31,8 +32,8 @@ SsvScratch::SsvScratch(const SsvModel& model)
 std::size_t SsvScratch::memory() const {
   const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list.front()); };
   return sizeof(*this) + bytes(X_WJ_) + bytes(p_WC_) + bytes(shape_W_) + bytes(D_) + bytes(chord_) +
-         bytes(turn_) + bytes(travel_) + bytes(pose_time_) + bytes(center_time_) +
-         bytes(shape_time_) + bytes(travel_time_);
+         bytes(turn_) + bytes(travel_) + bytes(core_travel_) + bytes(pose_time_) +
+         bytes(center_time_) + bytes(shape_time_) + bytes(travel_time_);
 }
 
 void SsvScratch::place(const Eigen::Ref<const Eigen::VectorXd>& q) {
@@ -170,13 +171,24 @@ double SsvScratch::travel_of_point(const Vector3d& p_WP, int joint, int shared) 
   return sum;
 }
 
-// The bound is convex in the point, so that it is greatest at a vertex.
 double SsvScratch::core_travel(int leaf, int shared, int side) {
   const SsvNode& node = model_.node(leaf);
   if (model_.depth_of(node.joint) <= shared) return 0;
+  const int slot = node.is_shape() ? model_.shape(node.piece).slot : -1;
+  if (slot < 0) return bound_core_travel(leaf, shared, side);
+  CoreTravel& known = core_travel_[static_cast<std::size_t>(slot)];
+  if (known.time < now_ || known.shared != shared) {
+    known = {now_, shared, bound_core_travel(leaf, shared, side)};
+  }
+  return known.travel;
+}
+
+// The bound is convex in the point, so that it is greatest at a vertex.
+double SsvScratch::bound_core_travel(int leaf, int shared, int side) {
+  const int joint = model_.node(leaf).joint;
   double most = 0;
   for_each_vertex(leaf, side, [&](const Vector3d& v_W) {
-    most = std::max(most, travel_of_point(v_W, node.joint, shared));
+    most = std::max(most, travel_of_point(v_W, joint, shared));
   });
   return most;
 }

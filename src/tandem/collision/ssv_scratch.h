@@ -130,6 +130,13 @@ class SsvScratch final : public CollisionChecker::Scratch {
     std::optional<geometry::Shape> shape_W;
   };
 
+  /// core_travel() that was computed last of a shape.
+  struct CoreTravel {
+    std::uint64_t time = 0;
+    int shared = 0;
+    double travel = 0;  ///< [m]
+  };
+
   void add_gradient(const Eigen::Vector3d& n_W, const Eigen::Vector3d& p_WP, int joint, int common,
                     std::span<double> out);
   void place_joint(std::size_t j);
@@ -137,6 +144,7 @@ class SsvScratch final : public CollisionChecker::Scratch {
   void place_shape(const SsvNode& leaf, const SsvShape& shape);
   const geometry::Shape& surface_piece(int leaf, int side);
   void bound_travel(int node);
+  double bound_core_travel(int leaf, int shared, int side);
   double travel_by(std::size_t j, const Eigen::Vector3d& p_WP) const;
 
   const SsvModel& model_;
@@ -149,6 +157,7 @@ class SsvScratch final : public CollisionChecker::Scratch {
   BuiltPiece built_[2];
   std::vector<double> D_, chord_, turn_;  // By joint, see set_deviation.
   std::vector<double> travel_;            // Slots x depth.
+  std::vector<CoreTravel> core_travel_;   // By slot of shapes.
   std::vector<std::uint64_t> pose_time_, center_time_, shape_time_, travel_time_;
 };
 

@@ -10,7 +10,7 @@ namespace tandem::coordination {
 struct SearchOptions {
   bool monotone = false;  ///< No track goes back.
   double gap = 0.1;       ///< In [0, 1): by what part a shorter way may go unnoticed.
-  double coarse = 0.1;    ///< [s] of local time: how finely everything is examined first, > 0.
+  double coarse = 0.2;    ///< [s] of local time: how finely everything is examined first, > 0.
 };
 
 /// What must not be crossed, parallel to an axis or a diagonal of the units.
