@@ -208,6 +208,7 @@ class ActiveSet {
 
   void add(Index constraint, const SoftQp::Group* group, Index column, double start);
   void add_side(Index constraint, double start);
+  std::vector<double> most_lacking(const ArrayXd& lacking) const;
   bool add_broken(const VectorXd& x, const ArrayXd& lacking);
   VectorXd primal();
   bool is_solved(const VectorXd& x, const ArrayXd& lacking, QpSolution& solution) const;
@@ -267,12 +268,32 @@ void ActiveSet::add_side(Index constraint, double start) {
        is_upper ? -qp_.upper[j] : qp_.lower[j], kHard, start);
 }
 
+/// What is lacking most in each group, of constraints that are not in the working set; 0: nothing.
+std::vector<double> ActiveSet::most_lacking(const ArrayXd& lacking) const {
+  std::vector<double> most;
+  Index k = 0;
+  for (const SoftQp::Group& group : qp_.groups) {
+    double& worst = most.emplace_back(0.0);
+    for (const Index end = k + group.count(); k < end; ++k) {
+      if (!is_known_[static_cast<std::size_t>(k)]) worst = std::max(worst, lacking[k]);
+    }
+  }
+  return most;
+}
+
 /// Adds the constraints that x breaks most. @return whether there are any.
 bool ActiveSet::add_broken(const VectorXd& x, const ArrayXd& lacking) {
   const std::size_t before = rows_.size();
+  const std::vector<double> most_lacking = this->most_lacking(lacking);
   Index k = 0;
-  for (const SoftQp::Group& group : qp_.groups) {
-    if (stop_()) break;
+  for (std::size_t at = 0; at < qp_.groups.size() && !stop_(); ++at) {
+    const SoftQp::Group& group = qp_.groups[at];
+    // Neighbours on a path break together: what mends the worst of them mends the others.
+    if ((at > 0 && most_lacking[at - 1] > most_lacking[at]) ||
+        (at + 1 < most_lacking.size() && most_lacking[at + 1] > most_lacking[at])) {
+      k += group.count();
+      continue;
+    }
     for (int n = 0; n < kAtOnce; ++n) {
       Index worst = -1;
       double most = 0;
