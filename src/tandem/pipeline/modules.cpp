@@ -53,4 +53,8 @@ Modules make_modules(Preset preset, const collision::CompiledCell& compiled,
   return modules;
 }
 
+void prepare_modules(Preset preset, const collision::CompiledCell& compiled) {
+  (void)make_modules(preset, compiled, {}).validity->by_arm();
+}
+
 }  // namespace tandem::pipeline

@@ -27,6 +27,9 @@ struct Modules {
 Modules make_modules(Preset preset, const collision::CompiledCell& compiled,
                      const StopCondition& stop);
 
+/// Compiles what these modules would compile when they are first asked, so that no plan has to.
+void prepare_modules(Preset preset, const collision::CompiledCell& compiled);
+
 /// Adds the wall time of its scope to a report's entry.
 class ModuleTimer {
  public:

@@ -90,11 +90,10 @@ std::shared_ptr<const CompiledCell> Planner::compiled(
 void Planner::prepare(const std::shared_ptr<const Workcell>& cell,
                       const PlanOptions& options) const {
   const auto whole = compiled(cell);
-  // Whoever plans makes these.
-  if (options.strategy != Strategy::kDecoupled) (void)make_modules(options.preset, *whole, {});
+  if (options.strategy != Strategy::kDecoupled) prepare_modules(options.preset, *whole);
   if (options.strategy == Strategy::kCentralized) return;
   for (std::size_t i = 0; i < whole->cell().arms().size(); ++i) {
-    (void)make_modules(options.preset, whole->alone(static_cast<int>(i)), {});
+    prepare_modules(options.preset, whole->alone(static_cast<int>(i)));
   }
 }
 

@@ -71,6 +71,7 @@ Result<ProblemBenchResult> bench_problems(
                                          "': " + cell.error().message);
     }
     const collision::CompiledCell compiled(*cell);
+    prepare_modules(options.preset, compiled);
     for (int cycle = 0; cycle < cycles; ++cycle) {
       run_options.seed = options.seed + static_cast<std::uint64_t>(cycle);
       ProblemRun run{.set = set_of[i], .problem = problem.ends.name, .cycle = cycle, .message = {}};

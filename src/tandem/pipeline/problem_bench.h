@@ -46,9 +46,9 @@ struct ProblemBenchResult {
 };
 
 /// Runs every valid problem `cycles` times; cycle k uses seed options.seed + k. Times hold planning
-/// and simplification only: not the making of the cell, nor the certificate of the result, which is
-/// checked afresh whatever the planner did. Ends early, keeping what it has, when options.token
-/// stops.
+/// and simplification only: not the making and compiling of the cell, nor the certificate of the
+/// result, which is checked afresh whatever the planner did. Ends early, keeping what it has, when
+/// options.token stops.
 /// @param progress  called after every run with the runs done and the total.
 /// @return the error of a cell that cannot be made, naming the problem.
 Result<ProblemBenchResult> bench_problems(
