@@ -76,7 +76,7 @@ SsvScratch& own_scratch(const SsvModel& model, CollisionChecker::Scratch& scratc
   expects(own && &own->model() == &model, "the scratch was made by this checker");
   return *own;
 }
-bool touches(SsvScratch& scratch, const SsvPair& pair) {
+bool pieces_touch(SsvScratch& scratch, const SsvPair& pair) {
   struct Touch : PlacedQuery {
     explicit Touch(SsvScratch& of) : scratch(of) {}
     double visit(const NearNodes& near) {
@@ -86,7 +86,6 @@ bool touches(SsvScratch& scratch, const SsvPair& pair) {
     SsvScratch& scratch;
     bool hit = false;
   };
-  if (scratch.spheres_apart(pair.a, pair.b, 0)) return false;
   Touch touch(scratch);
   visit_near(scratch, pair, 0.0, touch);
   return touch.hit || (pair.solid && is_inside(scratch, pair));

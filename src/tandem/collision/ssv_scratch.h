@@ -41,8 +41,9 @@ class SsvScratch final : public CollisionChecker::Scratch {
     if (pose_time_[j] < now_) place_joint(j);
     return X_WJ_[j];
   }
-  /// Centre of a node's sphere in W.
-  Eigen::Vector3d center(int node) {
+  /// Centre of a node's sphere in W. Inline in every loop over pairs, where most of them end: as a
+  /// call it costs the exact checker a fifth.
+  [[gnu::always_inline]] Eigen::Vector3d center(int node) {
     const SsvNode& n = model_.node(node);
     if (n.slot < 0) return n.joint < 0 ? n.p_JC : in_world(n.joint, n.p_JC);
     const auto slot = static_cast<std::size_t>(n.slot);
@@ -163,8 +164,12 @@ class SsvScratch final : public CollisionChecker::Scratch {
 
 /// The scratch, if it was made for this model; else throws ContractViolation.
 SsvScratch& own_scratch(const SsvModel& model, CollisionChecker::Scratch& scratch);
+/// Whether two bodies with bounding spheres that overlap touch.
+bool pieces_touch(SsvScratch& scratch, const SsvPair& pair);
 /// Whether the bodies of a pair touch as placed.
-bool touches(SsvScratch& scratch, const SsvPair& pair);
+inline bool touches(SsvScratch& scratch, const SsvPair& pair) {
+  return !scratch.spheres_apart(pair.a, pair.b, 0) && pieces_touch(scratch, pair);
+}
 /// Whether a part of one body lies inside a closed mesh of the other.
 /// For parts that touch none of its triangles, see SsvModel about anchors; of others perhaps.
 bool is_inside(SsvScratch& scratch, const SsvPair& pair);
