@@ -7,73 +7,18 @@
 #include <cstdlib>
 #include <map>
 
+#include "arm_motions.h"
 #include "tandem/collision/compiled_cell.h"
 #include "tandem/coordination/baselines.h"
 #include "tandem/coordination/diagram_coordinator.h"
 #include "tandem/coordination/sequential.h"
-#include "tandem/core/rng.h"
 #include "tandem/pipeline/bench.h"
-#include "tandem/planning/rrt_connect.h"
-#include "tandem/planning/simplifier.h"
 #include "tandem/tandem.h"
-#include "tandem/trajectory/spline.h"
-#include "tandem/trajectory/time_optimizer.h"
 
 namespace {
 
 using namespace tandem;
-using Eigen::VectorXd;
 using pipeline::Statistics;
-
-/// One arm's part of a question about all.
-class ArmValidity final : public planning::Validity {
- public:
-  ArmValidity(const planning::ArmQuestions::Arm& arm, const VectorXd& others)
-      : arm_(arm), from_(others), to_(others) {}
-  bool state(const VectorXd& q) override {
-    from_.segment(arm_.offset, arm_.dof) = q;
-    return arm_.alone->state(from_);
-  }
-  bool edge(const VectorXd& a, const VectorXd& b) override {
-    from_.segment(arm_.offset, arm_.dof) = a;
-    to_.segment(arm_.offset, arm_.dof) = b;
-    return arm_.alone->edge(from_, to_);
-  }
-  const planning::ValidityStats& stats() const override { return arm_.alone->stats(); }
-
- private:
-  const planning::ArmQuestions::Arm& arm_;
-  VectorXd from_, to_;
-};
-
-/// The arms' own motions: their paths are proven alone, their splines are as near as they come.
-std::vector<motion::PiecewiseCubic> motions(const collision::CompiledCell& compiled,
-                                            const pipeline::ResolvedQuery& query,
-                                            std::uint64_t seed) {
-  const world::Workcell& cell = compiled.cell();
-  const auto validity = planning::make_batch_validity_by_arm(compiled);
-  const auto planner = planning::make_rrt_connect();
-  const auto simplifier = planning::make_simplifier();
-  const auto optimizer = trajectory::make_barrier_optimizer();
-  std::vector<motion::PiecewiseCubic> arms;
-  Rng rng(seed);
-  for (const auto& arm : validity->by_arm()->arms) {
-    ArmValidity alone(arm, query.start);
-    const auto part = [&](const VectorXd& q) { return VectorXd(q.segment(arm.offset, arm.dof)); };
-    const planning::PathProblem problem{part(query.start), part(query.goal), part(cell.lower()),
-                                        part(cell.upper())};
-    const auto stop = StopCondition::after(5);
-    auto path = planner->plan(problem, alone, rng.split(), stop);
-    if (!path) return {};
-    auto shorter = simplifier->simplify(problem, std::move(*path), alone, rng.split(), stop);
-    const auto first = cell.limits().begin() + arm.offset;
-    if ((shorter.front() - shorter.back()).norm() < 1e-9) return {};
-    const auto timing =
-        optimizer->optimize(shorter, std::vector<robot::JointLimits>(first, first + arm.dof));
-    arms.push_back(trajectory::fit_spline(shorter, timing.durations));
-  }
-  return arms;
-}
 
 struct Column {
   std::vector<double> time_ms, makespan, ratio;
@@ -128,7 +73,7 @@ int main(int argc, char** argv) {
     const collision::CompiledCell compiled(at);
     const collision::SsvChecker& checker = compiled.exact();
     for (int seed = 1; seed <= seeds; ++seed) {
-      const auto arms = motions(compiled, query, static_cast<std::uint64_t>(seed));
+      const auto arms = study::arm_motions(compiled, query, static_cast<std::uint64_t>(seed));
       if (arms.empty()) continue;
       const coordination::CoordinationProblem problem{checker, arms};
       ++problems;
