@@ -19,9 +19,10 @@ namespace {
 constexpr double kActivation = 0.004;  // [m] beyond the clearance: pairs a step might bring near.
 constexpr double kDamping = 0.02;      // Of differences between neighbouring steps.
 constexpr double kLongestStep = 0.6;   // [rad or m] per joint.
-// What makes steps shorter: added to the Hessian's diagonal, against its mean,
-constexpr double kFirstBrake = 0.05;  // once a step was too long,
-constexpr double kMostBrake = 1e3;    // and giving up beyond this.
+// What makes steps shorter: added to the Hessian's diagonal, against its mean over the square of
+// the edges. So is the Hessian's stiffness to steps that bend the path as a whole.
+constexpr double kFirstBrake = 18;  // Once a step was too long,
+constexpr double kMostBrake = 4e5;  // and giving up beyond this.
 constexpr double kQpTolerance = 6e-2;
 constexpr double kFirstPenalty = 2.0;  // Per clearance lacking; the objective is scaled to 1.
 constexpr double kMostPenalty = 1e3;
@@ -243,9 +244,10 @@ void Search::remember(const Candidate& at, const Eigen::ArrayXd& multipliers) {
     }
   }
 }
-/// Sets what is added to the diagonal, relative to its mean.
+/// Sets what is added to the diagonal, relative to its mean over the square of the edges.
 void Search::brake(double by) {
-  const double added = by * mean_diagonal_ - braked_;
+  const double edges = qp_.H.block_count() + 1;
+  const double added = by * mean_diagonal_ / (edges * edges) - braked_;
   for (int b = 0; b < qp_.H.block_count(); ++b) qp_.H.diagonal(b).diagonal().array() += added;
   braked_ += added;
 }
