@@ -2,7 +2,7 @@
 /// Usage: shortening_study solvers|growth|orientation|bound CELL [SEEDS]
 ///        shortening_study traces CELL QUERY > phases.svg
 ///   solvers      structured against SLSQP: the same paths, terms, weights, waypoints
-///   growth       time by waypoints, for one arm of the cell, the cell, and two such cells
+///   growth       time and f by waypoints, for one arm of the cell, the cell, and two such cells
 ///   orientation  translation alone against translation and rotation: rotation of all tools
 ///   bound        lengths against those of straight lines from start to goal
 ///   traces       a query's tool paths through the phases of planning, seen from above and the side
@@ -16,6 +16,7 @@
 #include "tandem/shortening/nlopt/slsqp_shortener.h"
 #include "tandem/shortening/shortener.h"
 #include "tandem/tandem.h"
+#include "tandem/world/tool_poses.h"
 
 namespace {
 
@@ -147,8 +148,8 @@ int measure_growth(const Cell& cell, int seeds) {
   const auto by_query = planned_paths(cell, seeds);
   const Cell alone = cell->arm_alone(0), twice = doubled(cell);
   const Eigen::Index dof = cell->dof(), first = alone->dof();
-  std::printf("%7s %10s %9s %9s %9s %6s %22s\n", "joints", "waypoints", "ms mean", "p50", "p99",
-              "iter", "us/iteration/waypoint");
+  std::printf("%7s %10s %9s %9s %9s %12s %6s %10s %10s\n", "joints", "waypoints", "ms mean", "p50",
+              "p99", "us/waypoint", "iter", "f before", "f after");
   for (const Cell& of : {alone, cell, twice}) {
     for (const int waypoints : {20, 40, 80, 160}) {
       Run run(*structured, of);
@@ -163,10 +164,13 @@ int measure_growth(const Cell& cell, int seeds) {
         }
       }
       const Statistics time = Statistics::of(run.times_ms);
-      const double iterations = Statistics::of(run.iterations).mean;
-      std::printf("%7d %10d %9.2f %9.2f %9.2f %6.1f %22.2f\n",
+      // f falls with the edges: shown as if there were as many as usual.
+      const double per_f = (waypoints - 1) / (kWaypoints - 1.0);
+      std::printf("%7d %10d %9.2f %9.2f %9.2f %12.1f %6.1f %10.5f %10.5f\n",
                   static_cast<int>(of == twice ? 2 * dof : of->dof()), waypoints, time.mean,
-                  time.p50, time.p99, iterations, 1e3 * time.mean / iterations / waypoints);
+                  time.p50, time.p99, 1e3 * time.mean / waypoints,
+                  Statistics::of(run.iterations).mean, per_f * Statistics::of(run.before).mean,
+                  per_f * Statistics::of(run.after).mean);
     }
   }
   return 0;

@@ -14,6 +14,7 @@
 #include "tandem/core/contract.h"
 #include "tandem/planning/ompl/ompl_planning.h"
 #include "tandem/shortening/shortener.h"
+#include "tandem/world/tool_poses.h"
 
 namespace tandem::shortening {
 
@@ -134,14 +135,7 @@ TEST_P(ShortenerConformance, KeepsEdgesAsShortAsAsked) {
   const Shortening result = shorten(path, spread);
   const auto squared_edges = [&](const motion::JointPath& waypoints) {
     std::vector<double> lengths(waypoints.size() - 1, 0.0);
-    Eigen::VectorXd positions;
-    robot::LinkPoses X_WL;
-    for (int arm : {0, 1}) {
-      std::vector<Eigen::Isometry3d> X_WE;
-      for (const Eigen::VectorXd& q : waypoints) {
-        cell_->forward_kinematics(q, positions, X_WL);
-        X_WE.push_back(cell_->tool_pose(arm, X_WL));
-      }
+    for (const auto& X_WE : world::tool_poses(*cell_, waypoints)) {
       for (std::size_t i = 0; i < lengths.size(); ++i) {
         const std::span both(X_WE.data() + i, 2);
         lengths[i] += 2 * motion::cartesian_length(both).f;
@@ -158,23 +152,19 @@ TEST_P(ShortenerConformance, KeepsEdgesAsShortAsAsked) {
 
 TEST_P(ShortenerConformance, RefusesWhatIsNoPath) {
   const auto path = planned(8);
-  const auto run = [&](const motion::JointPath& waypoints, const ShorteningOptions& options,
-                       const motion::JointPath* start) {
-    shortener_->shorten(compiled_, world::PairScope::all(), waypoints, options, {}, start);
+  const auto run = [&](const motion::JointPath& waypoints, const ShorteningOptions& options) {
+    shorten(waypoints, options);
   };
-  EXPECT_THROW(run({path[0]}, options_, nullptr), ContractViolation);
+  EXPECT_THROW(run({path[0]}, options_), ContractViolation);
   motion::JointPath wrong = path;
   wrong[1].conservativeResize(3);
-  EXPECT_THROW(run(wrong, options_, nullptr), ContractViolation);
+  EXPECT_THROW(run(wrong, options_), ContractViolation);
   ShorteningOptions none = options_;
   none.clearance = 0;
-  EXPECT_THROW(run(path, none, nullptr), ContractViolation);
-  motion::JointPath elsewhere = path;
-  elsewhere.back()[0] += 0.1;
-  EXPECT_THROW(run(path, options_, &elsewhere), ContractViolation);
+  EXPECT_THROW(run(path, none), ContractViolation);
   ShorteningOptions arms = options_;
   arms.weights.arms = {1};
-  EXPECT_THROW(run(path, arms, nullptr), ContractViolation);
+  EXPECT_THROW(run(path, arms), ContractViolation);
 }
 
 }  // namespace tandem::shortening

@@ -2,30 +2,17 @@
 
 #include <gtest/gtest.h>
 
-#include "small_cell.h"
+#include "planned_paths.h"
 #include "tandem/collision/certificate.h"
 #include "tandem/core/rng.h"
-#include "tandem/planning/composite.h"
-#include "tandem/planning/validity.h"
 
 namespace tandem::shortening {
 namespace {
 
-using Eigen::VectorXd;
 using motion::JointPath;
 
-class ProvenEdges : public testing::Test {
+class ProvenEdges : public PlannedPaths {
  protected:
-  JointPath planned(std::uint64_t seed, int count = 12) const {
-    const auto validity = planning::make_batch_validity(batch_, selection_);
-    VectorXd start(8), goal(8);
-    start << 1.0, -0.2, 0.3, 0, 0.9, -0.3, 0.4, 0;
-    goal << -0.8, -0.2, 0.3, 0, -0.9, -0.3, 0.4, 0;
-    const planning::PathProblem problem{start, goal, cell_->lower(), cell_->upper()};
-    const auto path = planning::make_composite_planner()->plan(problem, *validity, seed,
-                                                               StopCondition::after(30));
-    return motion::interpolated(path.value(), count);
-  }
   /// By the exact certificate, which the shortener does not use.
   bool is_certified(const JointPath& path) const {
     const auto scratch = exact_.make_scratch();
@@ -35,22 +22,16 @@ class ProvenEdges : public testing::Test {
     }
     return true;
   }
-  Shortening shorten(const JointPath& path, const StopCondition& stop = {},
-                     double clearance = 0.004) const {
+  /// Only waypoints are looked at to begin with.
+  static ShorteningOptions options(const JointPath& path, bool prove_edges) {
     ShorteningOptions options;
-    options.prove_edges = true;
-    options.clearance = clearance;
+    options.prove_edges = prove_edges;
+    options.clearance = 0.004;
     options.points_per_edge.assign(path.size() - 1, 0);
-    return shortener_->shorten(compiled_, world::PairScope::all(), path, options, stop);
+    return options;
   }
 
-  std::shared_ptr<const world::Workcell> cell_ = test::small_cell();
-  collision::CompiledCell compiled_{cell_};
   const collision::SsvChecker& exact_ = compiled_.exact();
-  const collision::BatchChecker& batch_ = compiled_.batch();
-  world::PairSelection selection_ = compiled_.selection(world::PairScope::all());
-  collision::BatchChecker::Pairs pairs_ = compiled_.pairs(world::PairScope::all());
-  std::unique_ptr<Shortener> shortener_ = make_structured_shortener();
 };
 
 // The wall is thin, the clearance small and only waypoints are looked at to begin with, so that
@@ -60,18 +41,14 @@ TEST_F(ProvenEdges, OfEveryResult) {
   int unproven = 0;
   for (std::uint64_t seed = 0; seed < 15; ++seed) {
     const JointPath path = planned(seed, 8);
-    const Shortening result = shorten(path);
+    const Shortening result = shorten(path, options(path, true));
     EXPECT_TRUE(is_certified(result.path)) << "seed " << seed;
     EXPECT_EQ(result.path.front(), path.front());
     EXPECT_EQ(result.path.back(), path.back());
     EXPECT_LE(result.after, result.before);
     before += result.before;
     after += result.after;
-    ShorteningOptions careless;
-    careless.clearance = 0.004;
-    careless.points_per_edge.assign(path.size() - 1, 0);
-    unproven += !is_certified(
-        shortener_->shorten(compiled_, world::PairScope::all(), path, careless, {}).path);
+    unproven += !is_certified(shorten(path, options(path, false)).path);
   }
   EXPECT_LT(after, 0.8 * before);
   EXPECT_GE(unproven, 5) << "the test is too easy";
@@ -80,9 +57,9 @@ TEST_F(ProvenEdges, OfEveryResult) {
 TEST_F(ProvenEdges, OfWhatAnInterruptedSearchReturns) {
   const JointPath path = planned(3, 30);
   int stopped = 0;
-  const double complete = shorten(path).after;
+  const double complete = shorten(path, options(path, true)).after;
   for (int k = 0; k < 60; ++k) {
-    const Shortening result = shorten(path, StopCondition::after(1e-4 * k));
+    const Shortening result = shorten(path, options(path, true), StopCondition::after(1e-4 * k));
     EXPECT_TRUE(is_certified(result.path)) << "stopped after " << 0.1 * k << " ms";
     EXPECT_LE(result.after, result.before);
     stopped += result.stopped;

@@ -5,6 +5,7 @@
 #include "small_cells.h"
 #include "tandem/core/contract.h"
 #include "tandem/core/rng.h"
+#include "tandem/world/tool_poses.h"
 
 namespace tandem::world {
 namespace {
@@ -78,6 +79,26 @@ TEST(Workcell, PlacesEachRobotAsIfItWereAlone) {
     }
   }
   EXPECT_THROW(cell->positions(Eigen::VectorXd::Zero(5), positions), ContractViolation);
+}
+
+TEST(Workcell, TellsWhereToolsAreAlongAPath) {
+  const auto cell = make_cell(two_arms());
+  Rng rng(4);
+  std::vector<Eigen::VectorXd> path;
+  for (const auto& none : tool_poses(*cell, path)) EXPECT_TRUE(none.empty());
+  for (int i = 0; i < 7; ++i) path.push_back(random_q(*cell, rng));
+  const auto tools = tool_poses(*cell, path);
+  ASSERT_EQ(tools.size(), 2u);
+  Eigen::VectorXd positions;
+  robot::LinkPoses X_WL;
+  for (std::size_t arm = 0; arm < 2; ++arm) {
+    ASSERT_EQ(tools[arm].size(), path.size());
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      cell->forward_kinematics(path[i], positions, X_WL);
+      const Eigen::Isometry3d X_WE = cell->tool_pose(static_cast<int>(arm), X_WL);
+      EXPECT_EQ(tools[arm][i].matrix(), X_WE.matrix());
+    }
+  }
 }
 
 TEST(Workcell, HoldsOtherJointsWhereTheSpecPutsThem) {

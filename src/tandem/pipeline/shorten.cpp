@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tandem/world/tool_poses.h"
+
 namespace tandem::pipeline {
 
 using motion::JointPath;
@@ -13,20 +15,6 @@ constexpr int kWaypoints = 20;  // Ref: the paper, "Planner Parameters".
 /// How much longer the tools' paths may become where waypoints are dropped, as a fraction of the
 /// whole.
 constexpr double kLonger = 2e-3;
-
-std::vector<std::vector<Eigen::Isometry3d>> tool_poses(const world::Workcell& cell,
-                                                       const JointPath& path) {
-  std::vector<std::vector<Eigen::Isometry3d>> tools(cell.arms().size());
-  Eigen::VectorXd positions;
-  robot::LinkPoses X_WL;
-  for (const Eigen::VectorXd& q : path) {
-    cell.forward_kinematics(q, positions, X_WL);
-    for (std::size_t i = 0; i < tools.size(); ++i) {
-      tools[i].push_back(cell.tool_pose(static_cast<int>(i), X_WL));
-    }
-  }
-  return tools;
-}
 
 /// Sum over the arms of L, measured at the waypoints.
 double tool_length(const world::Workcell& cell, const JointPath& path) {

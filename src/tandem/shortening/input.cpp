@@ -6,7 +6,7 @@
 namespace tandem::shortening {
 
 void check_input(const world::Workcell& cell, const motion::JointPath& path,
-                 const ShorteningOptions& options, const motion::JointPath* start) {
+                 const ShorteningOptions& options) {
   expects(path.size() >= 2, "a path has at least two waypoints");
   for (const Eigen::VectorXd& q : path) {
     expects(q.size() == cell.dof(), "a waypoint has one entry per joint of the cell's arms");
@@ -16,10 +16,6 @@ void check_input(const world::Workcell& cell, const motion::JointPath& path,
           "clearance and tolerance are positive, edges may at least be as long as the mean");
   expects(options.points_per_edge.empty() || options.points_per_edge.size() + 1 == path.size(),
           "one number of points per edge, or none");
-  if (!start) return;
-  expects(start->size() == path.size() && start->front() == path.front() &&
-              start->back() == path.back(),
-          "the start has as many waypoints as the path, and its ends");
 }
 
 collision::BatchChecker::Pairs pairs_within(const collision::CompiledCell& compiled,

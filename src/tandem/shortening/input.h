@@ -5,10 +5,9 @@
 
 namespace tandem::shortening {
 
-/// Throws ContractViolation for fewer than two waypoints, wrong sizes, options out of range, or a
-/// start with other ends or another number of waypoints.
+/// Throws ContractViolation for fewer than two waypoints, wrong sizes, or options out of range.
 void check_input(const world::Workcell& cell, const motion::JointPath& path,
-                 const ShorteningOptions& options, const motion::JointPath* start);
+                 const ShorteningOptions& options);
 
 /// The pairs of `scope`, compiled up to `clearance` [m] at least.
 collision::BatchChecker::Pairs pairs_within(const collision::CompiledCell& compiled,

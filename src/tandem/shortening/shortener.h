@@ -49,7 +49,7 @@ struct Shortening {
   double before = 0, after = 0;  ///< Objective.
   /// What clearance lacks most at a waypoint or on an edge that was looked at [m], >= 0.
   double violation = 0;
-  int iterations = 0;
+  int iterations = 0;    ///< With all waypoints.
   int drawn_back = 0;    ///< Waypoints moved back because an edge could not be proven.
   long evaluations = 0;  ///< Configurations at which distances were computed.
   bool stopped = false;  ///< The stop condition ended it early.
@@ -61,17 +61,16 @@ class Shortener {
   virtual ~Shortener() = default;
   /// @param scope  pairs that keep their distance.
   /// @param path   at least two waypoints of compiled.cell(); its clearance is what may not shrink.
-  /// @param start  where to begin, as many waypoints with the same ends; null: at `path`.
   /// @return the best path found; `violation` may be above 0, and edges are proven only on request.
   /// On a stop the best so far, at once.
   virtual Shortening shorten(const collision::CompiledCell& compiled, const world::PairScope& scope,
                              const motion::JointPath& path, const ShorteningOptions& options,
-                             const StopCondition& stop,
-                             const motion::JointPath* start = nullptr) const = 0;
+                             const StopCondition& stop) const = 0;
 };
 
-/// Sequential quadratic programming with a Gauss-Newton block-tridiagonal Hessian: time grows
-/// linearly with the waypoints. Ref: docs/methods.md, "PLPP".
+/// Sequential quadratic programming with a Gauss-Newton block-tridiagonal Hessian, with few
+/// waypoints first where there are many: time grows linearly with the waypoints.
+/// Ref: docs/methods.md, "PLPP".
 std::unique_ptr<Shortener> make_structured_shortener();
 
 }  // namespace tandem::shortening

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "tandem/core/contract.h"
+#include "tandem/shortening/coarse_path.h"
 #include "tandem/shortening/input.h"
 #include "tandem/shortening/path_cost.h"
 #include "tandem/shortening/probes.h"
@@ -28,6 +30,10 @@ constexpr double kFirstPenalty = 2.0;  // Per clearance lacking; the objective i
 constexpr double kMostPenalty = 1e3;
 constexpr double kEnough = 2e-2;  // Of the clearance may lack when the search ends.
 constexpr int kMostIterations = 60;
+// Edges of the path that is shortened first, where there are far more,
+constexpr int kCoarseEdges = 19;
+// and what may be lacking then, in clearances: more might have jumped through something.
+constexpr double kShallow = 0.5;
 constexpr int kMostPoints = 15;  // Inside an edge that cannot be proven.
 
 /// A path with everything the merit function knows of it.
@@ -45,27 +51,31 @@ struct Candidate {
   }
 };
 
-/// One run on one path.
+/// One run on one path, whose edges may stand for several.
 class Search {
  public:
   Search(const collision::BatchChecker& checker, const collision::BatchPairs& pairs,
-         const JointPath& reference, const ShorteningOptions& options,
+         const CoarsePath& reference, const ShorteningOptions& options,
          collision::BatchChecker::Scratch& scratch, const StopCondition& stop)
       : checker_(checker),
         pairs_(pairs),
-        reference_(reference),
+        reference_(reference.waypoints),
+        parts_(reference.parts),
         options_(options),
         scratch_(scratch),
         stop_(stop),
         cell_(checker.cell()),
         cost_(cell_, options.weights),
         points_(options.points_per_edge),
-        qp_(cell_.dof(), static_cast<int>(reference.size()) - 2) {
-    if (points_.empty()) points_.assign(reference.size() - 1, 1);
+        qp_(cell_.dof(), static_cast<int>(parts_.size()) - 1),
+        safe_(&reference_) {
+    if (points_.size() != parts_.size()) points_.assign(parts_.size(), 1);
     look();
   }
 
-  Shortening run(const JointPath& start);
+  /// @param start  where to begin instead of at the reference, unless it lacks too much; or null.
+  /// Shorter than the reference; with `prove_edges` its edges are proven if the reference's are.
+  Shortening run(const JointPath* start);
 
  private:
   void look();
@@ -73,6 +83,7 @@ class Search {
   void measure_distances(Candidate& at);
   void evaluate(Candidate& at);
   void allow_edges();
+  Candidate begin(const JointPath* start);
   void linearise(const Candidate& at);
   void add_clearances(const Candidate& at);
   void add_edges(const Candidate& at);
@@ -86,6 +97,7 @@ class Search {
   const collision::BatchChecker& checker_;
   const collision::BatchPairs& pairs_;
   const JointPath& reference_;
+  const std::vector<int>& parts_;
   const ShorteningOptions& options_;
   collision::BatchChecker::Scratch& scratch_;
   const StopCondition& stop_;
@@ -99,7 +111,8 @@ class Search {
   double scale_ = 1;            ///< Of the objective: the paper divides by its first value.
   double allowed_squared_ = 0;  ///< Most squared length of an edge; infinity: any.
   Eigen::MatrixXd Q_;
-  std::optional<Candidate> proven_;  ///< The best one with proven edges.
+  std::optional<Candidate> proven_;  ///< The best one with proven edges,
+  const JointPath* safe_;            ///< and what is there before.
   Shortening result_;
 };
 
@@ -126,9 +139,11 @@ void Search::measure_path(Candidate& at) {
     cost_.place(at.path[i], true, at.waypoints[i]);
     if (i == 0) continue;
     const Waypoint &from = at.waypoints[i - 1], &to = at.waypoints[i];
-    at.objective += cost_.edge(from, to);
+    const int parts = parts_[i - 1];
+    at.objective += cost_.edge(from, to) / parts;
     if (std::isfinite(allowed_squared_)) {
-      at.stretched += std::max(0.0, cost_.squared_length(from, to) / allowed_squared_ - 1);
+      const double squared = cost_.squared_length(from, to) / (parts * parts);
+      at.stretched += std::max(0.0, squared / allowed_squared_ - 1);
     }
   }
 }
@@ -164,7 +179,7 @@ void Search::allow_edges() {
     length += std::sqrt(cost_.squared_length(from, to));
     std::swap(from, to);
   }
-  const double mean = length / static_cast<double>(reference_.size() - 1);
+  const double mean = length / std::accumulate(parts_.begin(), parts_.end(), 0.0);
   // A path that goes nowhere has nothing to spread.
   if (mean > 0) allowed_squared_ = std::pow(options_.longest_edge * mean, 2);
 }
@@ -176,13 +191,13 @@ void Search::linearise(const Candidate& at) {
   qp_.g.setZero(dof * count);
   for (int e = 0; e + 1 < static_cast<int>(at.path.size()); ++e) {
     const auto i = static_cast<std::size_t>(e);
-    cost_.add_derivatives(at.waypoints[i], at.waypoints[i + 1], scale_, e - 1, qp_.g, &qp_.H);
-  }
-  // Damping the steps' differences keeps them smooth along the path, however many waypoints it has.
-  const double damping = scale_ * kDamping;
-  for (int b = 0; b < count; ++b) {
-    qp_.H.diagonal(b).diagonal().array() += 2 * damping;
-    if (b + 1 < count) qp_.H.lower(b).diagonal().array() -= damping;
+    const double scale = scale_ / parts_[i];
+    cost_.add_derivatives(at.waypoints[i], at.waypoints[i + 1], scale, e - 1, qp_.g, &qp_.H);
+    // Damping the steps' differences keeps them smooth along the path.
+    const double damping = scale * kDamping;
+    if (e > 0) qp_.H.diagonal(e - 1).diagonal().array() += damping;
+    if (e < count) qp_.H.diagonal(e).diagonal().array() += damping;
+    if (e > 0 && e < count) qp_.H.lower(e - 1).diagonal().array() -= damping;
   }
   mean_diagonal_ = braked_ = 0;
   for (int b = 0; b < count; ++b) mean_diagonal_ += qp_.H.diagonal(b).diagonal().mean() / count;
@@ -223,10 +238,11 @@ void Search::add_edges(const Candidate& at) {
   for (int e = 0; e + 1 < static_cast<int>(at.path.size()); ++e) {
     const Waypoint& from = at.waypoints[static_cast<std::size_t>(e)];
     const Waypoint& to = at.waypoints[static_cast<std::size_t>(e) + 1];
+    const int parts = parts_[static_cast<std::size_t>(e)];
+    const double scale = 1 / (allowed_squared_ * parts * parts);
     cost_.length_gradient(from, to, at_from, at_to);
-    SoftQp::Group group{e - 1,   -1 / allowed_squared_, -1 / allowed_squared_,
-                        at_from, VectorXd(1),           at_to};
-    group.bounds[0] = cost_.squared_length(from, to) / allowed_squared_ - 1;
+    SoftQp::Group group{e - 1, -scale, -scale, at_from, VectorXd(1), at_to};
+    group.bounds[0] = scale * cost_.squared_length(from, to) - 1;
     qp_.groups.push_back(std::move(group));
   }
   const Index known = multipliers_.size();
@@ -303,8 +319,8 @@ bool Search::prove(Candidate& at) {
 }
 
 Shortening Search::finish(Candidate& best) {
-  if (options_.prove_edges && !(proven_ && proven_->path == best.path)) {
-    const JointPath& safe = proven_ ? proven_->path : reference_;
+  const JointPath& safe = proven_ ? proven_->path : *safe_;
+  if (options_.prove_edges && best.path != safe) {
     Candidate back;
     back.path = best.path;
     const int moved = draw_back(checker_, pairs_, safe, back.path, scratch_, stop_);
@@ -322,17 +338,24 @@ Shortening Search::finish(Candidate& best) {
   return std::move(result_);
 }
 
-Shortening Search::run(const JointPath& start) {
+/// What the search begins with.
+Candidate Search::begin(const JointPath* start) {
   allow_edges();
-  Candidate best, next;
+  Candidate best, other;
   best.path = reference_;
   evaluate(best);
   result_.before = best.objective;
   if (best.objective > 0) scale_ = 1 / best.objective;
-  if (&start != &reference_) {
-    best.path = start;
-    evaluate(best);
-  }
+  if (!start) return best;
+  other.path = *start;
+  evaluate(other);
+  if (!(other.worst < kShallow * options_.clearance)) return best;
+  safe_ = start;
+  return other;
+}
+
+Shortening Search::run(const JointPath* start) {
+  Candidate best = begin(start), next;
   double penalty = kFirstPenalty, slow = 0;
   bool fresh = true;
   while (result_.iterations < kMostIterations && slow <= kMostBrake) {
@@ -385,13 +408,24 @@ class StructuredShortener final : public Shortener {
  public:
   Shortening shorten(const collision::CompiledCell& compiled, const world::PairScope& scope,
                      const JointPath& path, const ShorteningOptions& options,
-                     const StopCondition& stop, const JointPath* start) const override {
-    check_input(compiled.cell(), path, options, start);
+                     const StopCondition& stop) const override {
+    check_input(compiled.cell(), path, options);
     if (path.size() == 2) return unchanged(compiled.cell(), path, options);
     const auto pairs = pairs_within(compiled, scope, options.clearance);
     const auto scratch = compiled.batch().make_scratch();
-    return Search(compiled.batch(), *pairs, path, options, *scratch, stop)
-        .run(start ? *start : path);
+    const auto search = [&](const CoarsePath& reference, const JointPath* start) {
+      return Search(compiled.batch(), *pairs, reference, options, *scratch, stop).run(start);
+    };
+    const CoarsePath fine = CoarsePath::of(path);
+    CoarsePath coarse = coarsened(path, kCoarseEdges);
+    if (2 * coarse.parts.size() > fine.parts.size()) return search(fine, nullptr);
+    // Bends that are as long as the path are found with few waypoints, the rest is near.
+    Shortening rough = search(coarse, nullptr);
+    coarse.waypoints = std::move(rough.path);
+    const JointPath start = coarse.divided();
+    Shortening result = search(fine, rough.after < rough.before ? &start : nullptr);
+    result.evaluations += rough.evaluations;
+    return result;
   }
 };
 

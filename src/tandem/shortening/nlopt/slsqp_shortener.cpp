@@ -235,9 +235,9 @@ class SlsqpShortener final : public Shortener {
  public:
   Shortening shorten(const collision::CompiledCell& compiled, const world::PairScope& scope,
                      const JointPath& path, const ShorteningOptions& options,
-                     const StopCondition& stop, const JointPath* start) const override {
+                     const StopCondition& stop) const override {
     const world::Workcell& cell = compiled.cell();
-    check_input(cell, path, options, start);
+    check_input(cell, path, options);
     expects(options.points_per_edge.empty() && !options.prove_edges,
             "SLSQP looks at waypoints only");
     if (path.size() == 2) return unchanged(cell, path, options);
@@ -255,7 +255,7 @@ class SlsqpShortener final : public Shortener {
                             kConstraintTolerance));
     solver.set_ftol_rel(options.tolerance);
     if (options.joint_limits) limit_joints(cell, path, solver);
-    return solve(problem, solver, start ? *start : path);
+    return solve(problem, solver);
   }
 
  private:
@@ -271,12 +271,13 @@ class SlsqpShortener final : public Shortener {
     solver.set_upper_bounds(upper);
   }
 
-  static Shortening solve(Problem& problem, nlopt::opt& solver, const JointPath& start) {
+  static Shortening solve(Problem& problem, nlopt::opt& solver) {
     Shortening result;
     result.before = problem.first_objective();
     std::vector<double> x;
-    for (std::size_t i = 1; i + 1 < start.size(); ++i) {
-      x.insert(x.end(), start[i].begin(), start[i].end());
+    const JointPath& path = problem.path();
+    for (std::size_t i = 1; i + 1 < path.size(); ++i) {
+      x.insert(x.end(), path[i].begin(), path[i].end());
     }
     double value = 0;
     try {

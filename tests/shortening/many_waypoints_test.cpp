@@ -1,0 +1,115 @@
+// What must not change where a path has many waypoints.
+
+#include <ctime>
+
+#include "planned_paths.h"
+#include "tandem/core/rng.h"
+
+namespace tandem::shortening {
+namespace {
+
+using motion::JointPath;
+
+using ManyWaypoints = PlannedPaths;
+
+/// Means over paths.
+struct Figures {
+  double looks = 0;  ///< Configurations looked at, by waypoint.
+  double iterations = 0;
+  double f = 0;  ///< As if there were 20 waypoints.
+
+  void add(const Shortening& result, double share) {
+    const auto count = static_cast<double>(result.path.size());
+    looks += share * static_cast<double>(result.evaluations) / count;
+    iterations += share * result.iterations;
+    f += share * result.after * (count - 1) / 19;
+  }
+};
+
+TEST_F(ManyWaypoints, TakeNoMoreLooksEach) {
+  for (const bool prove_edges : {false, true}) {
+    Figures few, many;
+    ShorteningOptions options;
+    options.prove_edges = prove_edges;
+    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+      few.add(shorten(planned(seed, 20), options), 1.0 / 12);
+      many.add(shorten(planned(seed, 160), options), 1.0 / 12);
+    }
+    EXPECT_LT(many.looks, few.looks);
+    EXPECT_LT(many.f, 1.02 * few.f);
+  }
+}
+
+// Bent everywhere, so that no path with fewer waypoints stands for it.
+TEST_F(ManyWaypoints, OfACurveTakeAsManyIterations) {
+  Rng rng(1);
+  const auto curve = [&](std::uint64_t seed, int count) {
+    JointPath path = planned(seed, count);
+    for (std::size_t i = 1; i + 1 < path.size(); ++i) {
+      for (double& value : path[i]) value += rng.uniform(-1e-5, 1e-5);
+    }
+    return path;
+  };
+  Figures few, many;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    few.add(shorten(curve(seed, 20), {}), 1.0 / 12);
+    many.add(shorten(curve(seed, 160), {}), 1.0 / 12);
+  }
+  EXPECT_LT(many.iterations, 1.5 * few.iterations);
+  EXPECT_NEAR(many.f, few.f, 0.02 * few.f);
+}
+
+TEST_F(ManyWaypoints, KeepEdgesAsShortAsAsked) {
+  ShorteningOptions options;
+  options.longest_edge = 1.2;
+  options.weights.joints = 0;
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    const Shortening result = shorten(planned(seed, 100), options);
+    const auto squared = [&](const JointPath& path, std::size_t edge) {
+      ShorteningOptions whole;
+      whole.weights.joints = 0;
+      return 2 * shorten({path[edge], path[edge + 1]}, whole).after;
+    };
+    const JointPath before = planned(seed, 100);
+    double mean = 0;
+    for (std::size_t e = 0; e + 1 < before.size(); ++e) {
+      mean += std::sqrt(squared(before, e)) / static_cast<double>(before.size() - 1);
+    }
+    for (std::size_t e = 0; e + 1 < before.size(); ++e) {
+      EXPECT_LT(std::sqrt(squared(result.path, e)), 1.2 * mean * 1.03) << "edge " << e;
+    }
+    EXPECT_LT(result.after, result.before);
+  }
+}
+
+double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+// Time of the processor is counted, which others cannot take; the bound is against that of the
+// complete search, so that sanitizers may slow both.
+TEST_F(ManyWaypoints, ReturnSoonAfterAStop) {
+  ShorteningOptions options;
+  options.prove_edges = true;
+  for (const std::uint64_t seed : {0, 3}) {
+    const JointPath path = planned(seed, 160);
+    double begin = processor_ms();
+    const Shortening complete = shorten(path, options);
+    const double whole = processor_ms() - begin;
+    int stopped = 0, between = 0;
+    double last = complete.before;
+    for (int k = 0; k < 24; ++k) {
+      const double deadline = k / 20.0 * whole;
+      begin = processor_ms();
+      const Shortening result = shorten(path, options, StopCondition::after(1e-3 * deadline));
+      EXPECT_LT(processor_ms() - begin, deadline + 0.4 * whole) << "stopped after " << k << "/20";
+      EXPECT_LE(result.after, result.before);
+      stopped += result.stopped;
+      between += result.stopped && result.after < last && result.after > complete.after;
+      last = result.after;
+    }
+    EXPECT_GE(stopped, 5);
+    EXPECT_GE(between, 2) << "what was found before the stop is lost";
+  }
+}
+
+}  // namespace
+}  // namespace tandem::shortening
