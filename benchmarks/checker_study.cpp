@@ -1,6 +1,6 @@
 /// What a collision check of a cell costs by swept sphere volumes, one by one and in batches, and
 /// by FCL on the URDF's own geometry (meshes) and on the volumes. Usage: checker_study WORKCELL
-/// [CONFIGURATIONS]   (random ones, default 2000; medians of 5 rounds) A round asks every checker
+/// [CONFIGURATIONS]   (random ones, default 10000; medians of 5 rounds) A round asks every checker
 /// the same questions in turn, so that ratios hold on a noisy machine.
 
 #include <algorithm>
@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
   if (argc < 2) return std::fprintf(stderr, "usage: checker_study WORKCELL [CONFIGURATIONS]\n"), 2;
   const auto cell = tandem::load_workcell(argv[1]);
   if (!cell) return std::fprintf(stderr, "%s\n", cell.error().message.c_str()), 2;
-  const int count = argc > 2 ? std::atoi(argv[2]) : 2000;
+  const int count = argc > 2 ? std::atoi(argv[2]) : 10000;
   const SsvChecker ssv(*cell);
   const BatchChecker batch(ssv);
   const auto meshes = FclChecker::make(*cell, FclGeometry::kUrdf);

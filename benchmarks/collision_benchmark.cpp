@@ -17,7 +17,7 @@ using bench::Cell, bench::random_configuration;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kConfigurations = 256;
+constexpr int kConfigurations = 1024;  // More than branches can be learnt by heart.
 constexpr int kEdges = 256;
 constexpr double kEdgeLength = 1.0;  // [rad]
 

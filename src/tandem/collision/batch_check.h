@@ -78,11 +78,43 @@ class BlockChecker {
                : Descend(item);
   }
 
+  /// Lanes whose joint values are known to keep the two groups of a map apart, and stay so within
+  /// these deviations. Values are inside the joint limits, or not known of.
+  HWY_INLINE Mask KnownFree(const JointMap& map, V deviation_u, V deviation_v) const {
+    const hn::Rebind<std::int32_t, Floats> ints;
+    const auto cell_of = [&](std::size_t axis) HWY_ATTR {
+      const V value = Load(work_.values[static_cast<std::size_t>(map.joints[axis])]);
+      return hn::Mul(hn::Sub(value, Fill(map.low[axis])), Fill(map.cells_per_unit[axis]));
+    };
+    const V u = cell_of(0), v = cell_of(1), side = Fill(JointMap::kSide);
+    const Mask inside = hn::And(hn::And(hn::Ge(u, hn::Zero(kFloats)), hn::Lt(u, side)),
+                                hn::And(hn::Ge(v, hn::Zero(kFloats)), hn::Lt(v, side)));
+    const auto row = hn::ConvertTo(ints, hn::IfThenElseZero(inside, u));
+    const auto column = hn::ConvertTo(ints, hn::IfThenElseZero(inside, v));
+    const auto cell = hn::Add(hn::Mul(row, hn::Set(ints, JointMap::kSide)), column);
+    alignas(sizeof(LaneRow)) std::int32_t cells[kMostLanes];
+    hn::Store(cell, ints, cells);
+    LaneRow rooms{};
+    for (int lane = 0; lane < kLanes; ++lane) {
+      rooms.lane[lane] = map.room[static_cast<std::size_t>(cells[lane])];
+    }
+    const V room = Load(rooms);
+    const V needed = hn::Max(hn::Mul(deviation_u, Fill(map.cells_per_unit[0])),
+                             hn::Mul(deviation_v, Fill(map.cells_per_unit[1])));
+    return hn::And(inside, hn::Le(needed, room));
+  }
+
   /// The same where the spheres around the groups do not tell.
   HWY_NOINLINE bool Descend(const BatchItem& item) {
+    Mask open = hn::Eq(Fill(0), Fill(0));
+    if (item.joint_map >= 0) {
+      const JointMap& map = model_.joint_maps[static_cast<std::size_t>(item.joint_map)];
+      open = hn::Not(KnownFree(map, hn::Zero(kFloats), hn::Zero(kFloats)));
+      if (None(open)) return false;
+    }
     for (int i = item.first; i < item.first + item.count; ++i) {
       const BatchBodyPair& pair = pairs_.body_pairs[static_cast<std::size_t>(i)];
-      if (item.group_b < 0 ? TouchesStanding(item, pair) : TouchesMoving(pair)) return true;
+      if (item.group_b < 0 ? TouchesStanding(item, pair) : TouchesMoving(pair, open)) return true;
     }
     return false;
   }
@@ -98,9 +130,13 @@ class BlockChecker {
 
   const BatchBody& BodyAt(int body) const { return model_.bodies[static_cast<std::size_t>(body)]; }
 
-  /// Whether squared distances are all beyond a sum of radii.
+  /// Whether squared distances are beyond a sum of radii in all lanes,
   HWY_INLINE static bool Apart(V squared, float reach) {
     return All(hn::Gt(squared, Fill(reach * reach)));
+  }
+  /// or in those that are open.
+  HWY_INLINE static bool Apart(Mask open, V squared, float reach) {
+    return None(hn::And(open, hn::Le(squared, Fill(reach * reach))));
   }
 
   bool TouchesStanding(const BatchItem& item, const BatchBodyPair& pair) {
@@ -116,36 +152,37 @@ class BlockChecker {
       const int other = pairs_.standing_shapes[static_cast<std::size_t>(i)];
       if (Apart(gaps_.PointTo(center, other), radius + gaps_.ShapeAt(other).outer)) continue;
       for (int s = body.first_shape; s < body.first_shape + body.shape_count; ++s) {
-        if (TouchesShape(s, other, pair.pair, resolved)) return true;
+        if (TouchesShape(s, other, pair.pair, hn::Eq(Fill(0), Fill(0)), resolved)) return true;
       }
     }
     return false;
   }
 
-  bool TouchesMoving(const BatchBodyPair& pair) {
+  bool TouchesMoving(const BatchBodyPair& pair, Mask open) {
     const BatchBody& a = BodyAt(pair.a);
     const BatchBody& b = BodyAt(pair.b);
     const V3 center_a = placement_.BodyCenter(pair.a), center_b = placement_.BodyCenter(pair.b);
     const V3 r = center_a - center_b;
-    if (Apart(Dot(r, r), a.sphere.radius + b.sphere.radius)) return false;
+    if (Apart(open, Dot(r, r), a.sphere.radius + b.sphere.radius)) return false;
     unsigned resolved = 0;
     for (int s = a.first_shape; s < a.first_shape + a.shape_count; ++s) {
       if (a.shape_count > 1 &&
-          Apart(gaps_.PointTo(center_b, s), b.sphere.radius + gaps_.ShapeAt(s).outer)) {
+          Apart(open, gaps_.PointTo(center_b, s), b.sphere.radius + gaps_.ShapeAt(s).outer)) {
         continue;
       }
-      if (b.is_spheres && gaps_.ShapeAt(s).core == BatchCore::kPoint && ApartFromSpheres(s, b)) {
+      if (b.is_spheres && gaps_.ShapeAt(s).core == BatchCore::kPoint &&
+          ApartFromSpheres(s, b, open)) {
         continue;
       }
       for (int t = b.first_shape; t < b.first_shape + b.shape_count; ++t) {
-        if (TouchesShape(s, t, pair.pair, resolved)) return true;
+        if (TouchesShape(s, t, pair.pair, open, resolved)) return true;
       }
     }
     return false;
   }
 
   /// Whether a sphere is apart from a body of spheres; most are, so all are looked at together.
-  HWY_INLINE bool ApartFromSpheres(int sphere, const BatchBody& body) {
+  HWY_INLINE bool ApartFromSpheres(int sphere, const BatchBody& body, Mask open) {
     const V3 center = gaps_.Center(sphere);
     const float outer = gaps_.ShapeAt(sphere).outer;
     V least = Fill(1);
@@ -154,19 +191,19 @@ class BlockChecker {
       const float reach = outer + gaps_.ShapeAt(t).outer;
       least = hn::Min(least, hn::Sub(Dot(r, r), Fill(reach * reach)));
     }
-    return All(hn::Gt(least, hn::Zero(kFloats)));
+    return None(hn::And(open, hn::Le(least, hn::Zero(kFloats))));
   }
 
   /// @param resolved  lanes in which the exact checker found the bodies apart.
-  HWY_INLINE bool TouchesShape(int a, int b, int pair, unsigned& resolved) {
+  HWY_INLINE bool TouchesShape(int a, int b, int pair, Mask open, unsigned& resolved) {
     const BatchShape& shape_a = gaps_.ShapeAt(a);
     const float outer = shape_a.outer + gaps_.ShapeAt(b).outer;
     // Of points this is the distance itself.
-    if (Apart(gaps_.PointTo(gaps_.Center(a), b), outer + shape_a.circumradius)) return false;
+    if (Apart(open, gaps_.PointTo(gaps_.Center(a), b), outer + shape_a.circumradius)) return false;
     const Gap gap = gaps_.Between(a, b);
-    const Mask near = hn::Le(gap.squared, Fill(outer * outer));
+    const Mask near = hn::And(open, hn::Le(gap.squared, Fill(outer * outer)));
     if (None(near)) return false;
-    if (!None(hn::Lt(gap.squared, Fill(gap.touch_below)))) return true;
+    if (!None(hn::And(open, hn::Lt(gap.squared, Fill(gap.touch_below))))) return true;
     for (unsigned lanes = Bits(near) & ~resolved; lanes != 0; lanes &= lanes - 1) {
       if (work_.touches_exactly(pair, std::countr_zero(lanes))) return true;
     }

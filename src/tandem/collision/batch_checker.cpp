@@ -6,6 +6,7 @@
 
 #include "tandem/collision/batch_work.h"
 #include "tandem/collision/certificate.h"
+#include "tandem/collision/joint_map.h"
 #include "tandem/collision/ssv_model.h"
 #include "tandem/core/contract.h"
 
@@ -95,7 +96,8 @@ std::vector<int> leaves_of(const SsvModel& exact, const BatchModel& model) {
 }  // namespace
 
 BatchChecker::BatchChecker(const SsvChecker& exact)
-    : exact_(exact), model_(std::make_unique<const BatchModel>(exact.cell())) {
+    : exact_(exact), model_(std::make_unique<BatchModel>(exact.cell())) {
+  model_->joint_maps = prove_joint_maps(*this, *model_);
   leaves_ = leaves_of(exact.model(), *model_);
 }
 

@@ -114,7 +114,7 @@ class BatchChecker {
   void for_each_block(const Eigen::Ref<const Eigen::MatrixXd>& Q, const BatchPairs& pairs,
                       double within, Scratch& scratch, F&& f) const;
 
-  std::unique_ptr<const BatchModel> model_;
+  std::unique_ptr<BatchModel> model_;
 };
 
 }  // namespace tandem::collision

@@ -45,21 +45,29 @@ HWY_INLINE V3 FromCylinder(const V3& p, const V3& half) {
   return {hn::Sub(p.x, Clamp(p.x, half.x)), hn::Mul(part, p.y), hn::Mul(part, p.z)};
 }
 
-/// From the nearest point of a segment with half vector u to a point r from its centre.
-HWY_INLINE V3 FromSegment(const V3& r, const V3& u) {
-  const V t = Clamp(hn::Div(Dot(r, u), Positive(Dot(u, u))), Fill(1));
+/// A segment's half vector and one over its square, which does not change with where it is.
+struct Half {
+  V3 u;
+  float inverse;
+};
+
+/// From the nearest point of a segment to a point r from its centre.
+HWY_INLINE V3 FromSegment(const V3& r, const Half& half) {
+  const V3& u = half.u;
+  const V t = Clamp(hn::Mul(Dot(r, u), Fill(half.inverse)), Fill(1));
   return MulAdd3(hn::Neg(t), u, r);
 }
 
-/// Of two segments with half vectors u and v; r leads from the centre of the second to the first.
+/// Of two segments; r leads from the centre of the second to the first.
 /// Ref: Ericson, Real-time collision detection (2005), 5.1.9.
-HWY_INLINE V SegmentSegment(const V3& r, const V3& u, const V3& v) {
-  const V uu = Positive(Dot(u, u)), vv = Positive(Dot(v, v)), uv = Dot(u, v);
+HWY_INLINE V SegmentSegment(const V3& r, const Half& a, const Half& b) {
+  const V3 &u = a.u, &v = b.u;
+  const V uu = Dot(u, u), vv = Dot(v, v), uv = Dot(u, v);
   const V ur = Dot(u, r), vr = Dot(v, r), one = Fill(1);
   const V determinant = Positive(hn::NegMulAdd(uv, uv, hn::Mul(uu, vv)));
   V s = Clamp(hn::Div(hn::NegMulAdd(ur, vv, hn::Mul(uv, vr)), determinant), one);
-  const V t = Clamp(hn::Div(hn::MulAdd(s, uv, vr), vv), one);
-  s = Clamp(hn::Div(hn::MulSub(t, uv, ur), uu), one);
+  const V t = Clamp(hn::Mul(hn::MulAdd(s, uv, vr), Fill(b.inverse)), one);
+  s = Clamp(hn::Mul(hn::MulSub(t, uv, ur), Fill(a.inverse)), one);
   const V3 e = MulAdd3(hn::Neg(t), v, MulAdd3(s, u, r));
   return Dot(e, e);
 }
@@ -179,7 +187,7 @@ class Gaps {
       case BatchCore::kPoint:
         return p - Center(b);
       case BatchCore::kSegment:
-        return FromSegment(p - Center(b), Load3(placement_.Shape(b) + 3));
+        return FromSegment(p - Center(b), HalfOf(b));
       case BatchCore::kCylinder:
         return FromCylinder(PointInBox(p, b), Fill(shape_b.half));
       default:
@@ -206,7 +214,7 @@ class Gaps {
     if (shape_a.core == BatchCore::kPoint) return OfPoint(PointTo(p, b), a, b);
     if (shape_a.core == BatchCore::kSegment) {
       const bool is_box = shape_b.core > BatchCore::kBox;
-      const V squared = SegmentTo(p, Load3(placement_.Shape(a) + 3), b);
+      const V squared = SegmentTo(p, HalfOf(a), b);
       return {squared, is_box ? kNever : TouchBelow(shape_a, shape_b), is_box};
     }
     const float margin = 0.5F * (shape_a.outer - shape_a.inner + shape_b.outer - shape_b.inner);
@@ -236,11 +244,14 @@ class Gaps {
     const LaneRow* rows = placement_.Shape(shape);
     return {Load3(rows + 3), Load3(rows + 6), Load3(rows + 9), Fill(ShapeAt(shape).half)};
   }
-  HWY_INLINE V SegmentTo(const V3& p, const V3& u, int b) {
+  HWY_INLINE Half HalfOf(int segment) {
+    return {Load3(placement_.Shape(segment) + 3), ShapeAt(segment).inverse};
+  }
+  HWY_INLINE V SegmentTo(const V3& p, const Half& a, int b) {
     if (ShapeAt(b).core == BatchCore::kSegment) {
-      return SegmentSegment(p - Center(b), u, Load3(placement_.Shape(b) + 3));
+      return SegmentSegment(p - Center(b), a, HalfOf(b));
     }
-    return SegmentBox(PointInBox(p, b), DirectionInBox(u, b), Fill(ShapeAt(b).half));
+    return SegmentBox(PointInBox(p, b), DirectionInBox(a.u, b), Fill(ShapeAt(b).half));
   }
 
   const BatchModel& model_;

@@ -255,6 +255,7 @@ BatchShape compile_shape(Boxed box, const BatchModel& model) {
   shape.outer = round_up(box.radius + margin);
   shape.inner = static_cast<float>(box.radius - margin);
   shape.circumradius = round_up(half.norm() * (1 + 1e-6));
+  shape.inverse = static_cast<float>(1 / std::max(half.squaredNorm(), 1e-30));
   if (box.core == BatchCore::kCylinder) {
     shape.circumradius = round_up(std::hypot(half[0], half[1]) * (1 + 1e-6));
   }

@@ -48,6 +48,7 @@ struct BatchShape {
   std::array<float, 9> R_BJ;  ///< Its axes are rows; a segment lies along the first.
   Vector3f3 half;             ///< [m]
   float outer, inner;         ///< Radius plus and minus the margin [m].
+  float inverse;              ///< Of a segment: one over its half length squared [1/m^2].
   float circumradius;         ///< Of the core's box about its centre [m].
   float span;                 ///< Most distance of the core from its body's centre [m],
   float offset;               ///< and from its group's.
@@ -65,6 +66,19 @@ struct BatchBody {
   float outer = 0;
 };
 
+/// Where in the values of one or two joints, the only ones that decide the relative pose of two
+/// groups, nothing of them touches: cells of equal size between the joints' limits.
+struct JointMap {
+  static constexpr int kSide = 64;
+  static constexpr std::size_t at(int u, int v) { return static_cast<std::size_t>(u * kSide + v); }
+
+  int group_a, group_b;
+  std::array<int, 2> joints;  ///< The same one twice: there is no second axis, v = 0.
+  std::array<float, 2> low, cells_per_unit;
+  /// By cell: -1, or how many rings of cells around a cell are proven to be free as it is.
+  std::vector<std::int8_t> room;
+};
+
 struct BatchModel {
   std::vector<BatchJoint> joints;
   std::vector<BatchShape> shapes;
@@ -75,7 +89,8 @@ struct BatchModel {
   /// By joint, then by depth of the joints above: most distance of the group's centre to their
   /// axes [m], over all configurations inside the limits (prismatic: 1).
   std::vector<float> levers;
-  int depth = 0;  ///< Of the deepest joint.
+  std::vector<JointMap> joint_maps;  ///< See joint_map.h.
+  int depth = 0;                     ///< Of the deepest joint.
   int dof = 0;
   float margin = 0;  ///< [m]
   Eigen::Isometry3d X_CW;
@@ -102,6 +117,7 @@ struct BatchItem {
   int standing;
   int common, shared;          ///< Last joint above both, and its depth.
   float reach;                 ///< Sum of radii [m].
+  int joint_map;               ///< In BatchModel::joint_maps; -1: none.
   int first, count;            ///< In BatchPairs::body_pairs.
   Vector3f3 center{}, half{};  ///< Of the standing body's box.
 };

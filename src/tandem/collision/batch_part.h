@@ -64,6 +64,11 @@ class PartProver {
     const V travel = Fill(static_cast<float>(work_.half_length) * travels_.OfItem(item));
     Mask open = Within(hn::Eq(travel, travel), squared, item.reach, travel);
     if (None(open)) return open;
+    if (item.joint_map >= 0 && !want_clearance_) {
+      open =
+          hn::AndNot(KnownFree(model_.joint_maps[static_cast<std::size_t>(item.joint_map)]), open);
+      if (None(open)) return open;
+    }
     open = item.group_b < 0 ? NearStanding(item, open) : NearMoving(item, open);
     Mask unproven = hn::MaskFromVec(hn::Zero(kFloats));
     for (int i = item.first; i < item.first + item.count && !touches_; ++i) {
@@ -78,6 +83,14 @@ class PartProver {
   }
 
  private:
+  /// Lanes in which the joints of a map keep its groups apart all along their part.
+  HWY_INLINE Mask KnownFree(const JointMap& map) const {
+    const auto deviation = [&](std::size_t axis) HWY_ATTR {
+      const float per_s = work_.deviation[static_cast<std::size_t>(map.joints[axis])];
+      return Fill(static_cast<float>(work_.half_length) * per_s);
+    };
+    return checker_.KnownFree(map, deviation(0), deviation(1));
+  }
   /// Lanes of `among` in which squared distances do not exceed reach + travel.
   HWY_INLINE Mask Within(Mask among, V squared, float reach, V travel) {
     const V inflated = hn::Add(Fill(reach), travel);

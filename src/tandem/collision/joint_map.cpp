@@ -1,0 +1,171 @@
+#include "tandem/collision/joint_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "tandem/collision/batch_boxes.h"
+
+namespace tandem::collision {
+
+namespace {
+
+constexpr int kSide = JointMap::kSide;
+/// More than what single precision may misplace a value by when it looks up its cell [cells].
+constexpr double kMisplaced = 1e-3;
+
+const BatchJoint& joint_at(const BatchModel& model, int joint) {
+  return model.joints[static_cast<std::size_t>(joint)];
+}
+
+/// The joints that decide the relative pose of two groups.
+std::vector<int> joints_between(const BatchModel& model, int a, int b) {
+  const int common = model.common_joint(a, b);
+  std::vector<int> joints;
+  for (int from : {a, b}) {
+    for (int j = from; j != common; j = joint_at(model, j).parent) joints.push_back(j);
+  }
+  return joints;
+}
+
+/// A square of cells: its lowest corner and side [cells].
+struct Square {
+  int first, second, side;
+};
+
+/// Divides squares until they are proven, touch at the centre, or are single cells.
+class MapProver {
+ public:
+  MapProver(const BatchChecker& checker, const BatchModel& model,
+            const world::PairSelection& selection, JointMap& map)
+      : checker_(checker), model_(model), pairs_(checker.compile(selection)), map_(map) {}
+
+  void prove(BatchChecker::Scratch& scratch) {
+    const bool single = map_.joints[0] == map_.joints[1];
+    std::vector<Square> squares{{0, 0, kSide}}, rest;
+    for (int side = kSide; !squares.empty(); side /= 2) {
+      ask(squares, single);
+      prove_boxes(checker_, Q_, D_, *pairs_, false, scratch, proofs_);
+      rest.clear();
+      for (std::size_t i = 0; i < squares.size(); ++i) {
+        const Square& square = squares[i];
+        if (proofs_[i].verdict == BoxProof::Verdict::kFree) {
+          mark(square);
+        } else if (side > 1) {
+          for (const int u : {0, side / 2}) {
+            for (const int v : {0, side / 2}) {
+              if (single && v > 0) continue;
+              rest.push_back({square.first + u, square.second + v, side / 2});
+            }
+          }
+        }
+      }
+      std::swap(squares, rest);
+    }
+  }
+
+ private:
+  /// Fills Q_ and D_ with the boxes of joint values that the squares stand for.
+  void ask(const std::vector<Square>& squares, bool single) {
+    const auto count = static_cast<Eigen::Index>(squares.size());
+    Q_.resize(model_.dof, count);
+    Q_.colwise() = 0.5 * (checker_.cell().lower() + checker_.cell().upper());
+    D_.setZero(model_.dof, count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const Square& square = squares[static_cast<std::size_t>(i)];
+      set(0, square.first, square.side, i);
+      if (!single) set(1, square.second, square.side, i);
+    }
+  }
+  void set(std::size_t axis, int first, int side, Eigen::Index column) {
+    const BatchJoint& joint = joint_at(model_, map_.joints[axis]);
+    const double per_cell = (joint.upper - joint.lower) / kSide;
+    const double value = joint.lower + per_cell * (first + 0.5 * side);
+    Q_(joint.column, column) = (value - joint.offset) / joint.multiplier;
+    D_(joint.column, column) = per_cell * (0.5 * side + kMisplaced) / std::abs(joint.multiplier);
+  }
+  void mark(const Square& square) {
+    for (int u = square.first; u < square.first + square.side; ++u) {
+      for (int v = square.second; v < square.second + square.side; ++v)
+        map_.room[JointMap::at(u, v)] = 0;
+    }
+  }
+
+  const BatchChecker& checker_;
+  const BatchModel& model_;
+  BatchChecker::Pairs pairs_;
+  JointMap& map_;
+  Eigen::MatrixXd Q_, D_;
+  std::vector<BoxProof> proofs_;
+};
+
+/// Raises the room of proven cells to the rings of proven cells around them. What is beyond the
+/// limits takes no room away: no box that anybody asks about is there.
+void measure_room(JointMap& map) {
+  const auto sweep = [&](int u, int v, int step) {
+    std::int8_t& room = map.room[JointMap::at(u, v)];
+    if (room < 0) return;
+    std::int8_t least = kSide;
+    const auto look = [&](int i, int k) {
+      if (0 <= i && i < kSide && 0 <= k && k < kSide) {
+        least = std::min(least, map.room[JointMap::at(i, k)]);
+      }
+    };
+    for (const int shift : {-1, 0, 1}) look(u - step, v + shift);
+    look(u, v - step);
+    room = std::min<std::int8_t>(room, static_cast<std::int8_t>(least + 1));
+  };
+  for (std::int8_t& room : map.room) room = room < 0 ? -1 : kSide;
+  for (int u = 0; u < kSide; ++u) {
+    for (int v = 0; v < kSide; ++v) sweep(u, v, 1);
+  }
+  for (int u = kSide - 1; u >= 0; --u) {
+    for (int v = kSide - 1; v >= 0; --v) sweep(u, v, -1);
+  }
+}
+
+/// Nothing where more than two joints decide, or two that are not independent.
+std::optional<JointMap> empty_map(const BatchModel& model, int a, int b) {
+  const std::vector<int> joints = joints_between(model, a, b);
+  if (joints.empty() || joints.size() > 2) return std::nullopt;
+  JointMap map{a,  b,  {joints.front(), joints.back()},
+               {}, {}, std::vector<std::int8_t>(kSide * kSide, -1)};
+  const bool single = joints.size() == 1;
+  if (!single && joint_at(model, joints[0]).column == joint_at(model, joints[1]).column) {
+    return std::nullopt;
+  }
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    const BatchJoint& joint = joint_at(model, map.joints[axis]);
+    const double range = joint.upper - joint.lower;
+    if (!(range > 0) || !std::isfinite(range)) return std::nullopt;
+    map.low[axis] = static_cast<float>(joint.lower);
+    map.cells_per_unit[axis] = static_cast<float>(kSide / range);
+  }
+  if (single) map.cells_per_unit[1] = 0;
+  return map;
+}
+
+}  // namespace
+
+std::vector<JointMap> prove_joint_maps(const BatchChecker& checker, const BatchModel& model) {
+  std::map<std::pair<int, int>, world::PairSelection> by_groups;
+  const std::vector<world::BodyPair>& pairs = checker.cell().pairs();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto group = [&](int body) { return model.bodies[static_cast<std::size_t>(body)].joint; };
+    const auto [a, b] = std::minmax({group(pairs[i].a), group(pairs[i].b)});
+    if (a >= 0 && a != b) by_groups[{a, b}].push_back(static_cast<int>(i));
+  }
+  const BatchChecker::ScratchPtr scratch = checker.make_scratch();
+  std::vector<JointMap> maps;
+  for (const auto& [groups, selection] : by_groups) {
+    std::optional<JointMap> map = empty_map(model, groups.first, groups.second);
+    if (!map) continue;
+    MapProver(checker, model, selection, *map).prove(*scratch);
+    measure_room(*map);
+    maps.push_back(*std::move(map));
+  }
+  return maps;
+}
+
+}  // namespace tandem::collision
