@@ -171,6 +171,7 @@ Matrix3d common_axes(const std::vector<Boxed>& shapes) {
     Matrix3d R;
     int votes;
   };
+  constexpr std::size_t kMost = 32;  // Boxes that all stand askew have no common axes.
   std::vector<Candidate> candidates{{Matrix3d::Identity(), 0}};
   for (const Boxed& box : shapes) {
     if (box.joint >= 0 || box.core == BatchCore::kPoint || box.core == BatchCore::kSegment)
@@ -180,7 +181,7 @@ Matrix3d common_axes(const std::vector<Boxed>& shapes) {
     });
     if (same != candidates.end()) {
       ++same->votes;
-    } else {
+    } else if (candidates.size() < kMost) {
       candidates.push_back({box.R_BJ, 1});
     }
   }

@@ -149,11 +149,28 @@ struct BatchPairs {
 BatchPairs compile_pairs(const BatchModel& model, const world::Workcell& cell,
                          const world::PairSelection& selection, double within);
 
-/// Whether the group or body of sphere `node` at `joint`, moved by the joints below `common`, may
-/// come within `within` [m] of a shape that stands still in the frame of `common`. Never wrongly
-/// false.
-bool may_touch(const BatchModel& model, int joint, int common, const BatchSphere& node,
-               const geometry::Shape& shape_P, double within);
+/// A shape that stands still in some frame P, and a sphere around it.
+struct StandingShape {
+  geometry::Shape shape_P;
+  Eigen::Vector3d center_P;
+  double bound;  ///< [m]
+};
+
+/// Where a sphere may be over all configurations inside the joint limits.
+class Reach {
+ public:
+  /// Of the group or body of sphere `node` at `joint`, moved by the joints below `common`, in whose
+  /// frame P it is seen.
+  Reach(const BatchModel& model, int joint, int common, const BatchSphere& node);
+  /// Whether it may come within `within` [m]. Never wrongly false.
+  bool may_touch(const StandingShape& standing, double within) const;
+
+ private:
+  bool is_bounded_ = false;
+  // In a ball, and in a capsule.
+  Eigen::Vector3d ball_center_, low_, high_;
+  double ball_radius_, radius_;
+};
 
 /// Fills BatchModel::levers.
 void bound_levers(BatchModel& model);

@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <unordered_map>
+#include <optional>
 
 #include "tandem/collision/batch_model.h"
 #include "tandem/collision/box_tree.h"
@@ -15,7 +15,13 @@ using geometry::Shape;
 class PairCompiler {
  public:
   PairCompiler(const BatchModel& model, const world::Workcell& cell, double within)
-      : model_(model), cell_(cell), within_(within) {
+      : model_(model),
+        cell_(cell),
+        within_(within),
+        group_reaches_(model.joints.size()),
+        body_reaches_(model.bodies.size()),
+        standing_shapes_(model.shapes.size()),
+        reached_(model.joints.size()) {
     pairs_.model = &model;
   }
 
@@ -32,6 +38,7 @@ class PairCompiler {
   const BatchBody& body(int b) const { return model_.bodies[static_cast<std::size_t>(b)]; }
   void add_standing(int pair, int a, int b);
   void add_moving(int pair, int a, int b);
+  const StandingShape& standing_shape(int shape);
   bool group_reaches(int group, int standing);
   BatchItem standing_item(const Entry& entry) const;
   BatchItem moving_item(const Entry& entry) const;
@@ -44,11 +51,15 @@ class PairCompiler {
   double within_;
   BatchPairs pairs_;
   std::vector<Entry> standing_, moving_;
-  std::unordered_map<std::uint64_t, bool> reaches_;
+  // What was asked for so far, by group, body or shape.
+  std::vector<std::optional<Reach>> group_reaches_, body_reaches_;
+  std::vector<std::optional<StandingShape>> standing_shapes_;
+  enum class Known : std::uint8_t { kNothing, kApart, kNear };
+  std::vector<std::vector<Known>> reached_;  ///< By group, then by standing body.
 };
 
-/// A rounded box as a shape, in the frame that it stands still in.
-Shape outer_box(const BatchShape& shape) {
+/// A rounded box as it stands.
+StandingShape outer_box(const BatchShape& shape) {
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
   for (int row = 0; row < 3; ++row) {
     for (int i = 0; i < 3; ++i) {
@@ -60,34 +71,50 @@ Shape outer_box(const BatchShape& shape) {
   X.translation() = Eigen::Vector3d(shape.p_JC[0], shape.p_JC[1], shape.p_JC[2]);
   const Eigen::Vector3d half(shape.half[0], shape.half[1], shape.half[2]);
   constexpr double kLeastEdge = 1e-6;
-  return *Shape::box(X, (2 * half).cwiseMax(kLeastEdge), static_cast<double>(shape.outer));
+  return {*Shape::box(X, (2 * half).cwiseMax(kLeastEdge), static_cast<double>(shape.outer)),
+          X.translation(), kLeastEdge + static_cast<double>(shape.bound())};
+}
+
+/// The value at i, made when it is first asked for.
+template <class T, class Make>
+const T& known(std::vector<std::optional<T>>& values, int i, Make&& make) {
+  std::optional<T>& value = values[static_cast<std::size_t>(i)];
+  if (!value) value = make();
+  return *value;
+}
+
+const StandingShape& PairCompiler::standing_shape(int shape) {
+  return known(standing_shapes_, shape,
+               [&] { return outer_box(model_.shapes[static_cast<std::size_t>(shape)]); });
 }
 
 bool PairCompiler::group_reaches(int group, int standing) {
-  const std::uint64_t key =
-      static_cast<std::uint64_t>(group) << 32 | static_cast<std::uint32_t>(standing);
-  const auto [found, is_new] = reaches_.try_emplace(key, false);
-  if (!is_new) return found->second;
+  std::vector<Known>& of_group = reached_[static_cast<std::size_t>(group)];
+  of_group.resize(model_.bodies.size(), Known::kNothing);
+  Known& found = of_group[static_cast<std::size_t>(standing)];
+  if (found != Known::kNothing) return found == Known::kNear;
+  const Reach& reach = known(group_reaches_, group, [&] {
+    return Reach(model_, group, -1, model_.groups[static_cast<std::size_t>(group)]);
+  });
+  found = Known::kApart;
   const BatchBody& other = body(standing);
   for (int s = other.first_shape; s < other.first_shape + other.shape_count; ++s) {
-    const Shape shape_C = outer_box(model_.shapes[static_cast<std::size_t>(s)]);
-    if (may_touch(model_, group, -1, model_.groups[static_cast<std::size_t>(group)], shape_C,
-                  within_)) {
-      found->second = true;
-      break;
-    }
+    if (!reach.may_touch(standing_shape(s), within_)) continue;
+    found = Known::kNear;
+    break;
   }
-  return found->second;
+  return found == Known::kNear;
 }
 
 void PairCompiler::add_standing(int pair, int a, int b) {
   const BatchBody& moved = body(a);
   const BatchBody& other = body(b);
   if (!group_reaches(moved.joint, b)) return;
+  const Reach& reach =
+      known(body_reaches_, a, [&] { return Reach(model_, moved.joint, -1, moved.sphere); });
   BatchBodyPair compiled{pair, a, b, static_cast<int>(pairs_.standing_shapes.size()), 0};
   for (int s = other.first_shape; s < other.first_shape + other.shape_count; ++s) {
-    const Shape shape_C = outer_box(model_.shapes[static_cast<std::size_t>(s)]);
-    if (!may_touch(model_, moved.joint, -1, moved.sphere, shape_C, within_)) continue;
+    if (!reach.may_touch(standing_shape(s), within_)) continue;
     pairs_.standing_shapes.push_back(s);
     ++compiled.shape_count;
   }
@@ -101,10 +128,10 @@ void PairCompiler::add_moving(int pair, int a, int b) {
     if (body(still).joint != common) continue;
     const BatchSphere& sphere = body(still).sphere;
     const Eigen::Vector3d center(sphere.p_JC[0], sphere.p_JC[1], sphere.p_JC[2]);
-    const Shape ball = *Shape::sphere(center, static_cast<double>(sphere.radius));
-    if (!may_touch(model_, body(moved).joint, common, body(moved).sphere, ball, within_)) {
-      return;
-    }
+    const auto radius = static_cast<double>(sphere.radius);
+    const StandingShape ball{*Shape::sphere(center, radius), center, radius};
+    const Reach reach(model_, body(moved).joint, common, body(moved).sphere);
+    if (!reach.may_touch(ball, within_)) return;
   }
   moving_.push_back({body(a).joint, body(b).joint, {pair, a, b, 0, 0}});
 }

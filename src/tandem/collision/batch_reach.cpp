@@ -84,27 +84,35 @@ void bound_levers(BatchModel& model) {
   }
 }
 
-bool may_touch(const BatchModel& model, int joint, int common, const BatchSphere& node,
-               const geometry::Shape& shape_P, double within) {
+Reach::Reach(const BatchModel& model, int joint, int common, const BatchSphere& node) {
   Region region = region_of(to_vector(node.p_JC));
   const BatchJoint* first = nullptr;
   for (int j = joint; j != common; j = first->parent) {
     if (first) region = seen_from_parent(*first, region);
     first = &model.joints[static_cast<std::size_t>(j)];
     slide(*first, region);
-    if (!region.is_finite()) return true;
+    if (!region.is_finite()) return;
   }
-  if (!first) return true;
+  if (!first) return;
   // In the frame that the first joint turns in, which stands still in that of `common`.
   const Eigen::Isometry3d& X_PF = first->X_PJ;
-  const double radius = node.radius + within;
+  is_bounded_ = true;
+  ball_center_ = X_PF.translation();
+  ball_radius_ = region.ball + node.radius;
+  low_ = X_PF * Vector3d(0, 0, region.low);
+  high_ = X_PF * Vector3d(0, 0, region.high);
+  radius_ = region.radius + node.radius;
+}
+
+bool Reach::may_touch(const StandingShape& standing, double within) const {
+  if (!is_bounded_) return true;
+  const double from_center = (standing.center_P - ball_center_).norm();
+  if (from_center > ball_radius_ + within + standing.bound) return false;
   const auto apart = [&](const Result<geometry::Shape>& around) {
-    return around && geometry::distance(*around, shape_P) > 0;
+    return around && geometry::distance(*around, standing.shape_P) > 0;
   };
-  if (apart(geometry::Shape::sphere(X_PF.translation(), region.ball + radius))) return false;
-  return !apart(geometry::Shape::capsule(X_PF * Vector3d(0, 0, region.low),
-                                         X_PF * Vector3d(0, 0, region.high),
-                                         region.radius + radius));
+  return !apart(geometry::Shape::sphere(ball_center_, ball_radius_ + within)) &&
+         !apart(geometry::Shape::capsule(low_, high_, radius_ + within));
 }
 
 Ball enclosing_ball(const std::vector<Ball>& balls) {
