@@ -104,7 +104,8 @@ template <class F>
 void print_change(const CompiledCell& before, F&& change) {
   Cell cell;
   const double world = seconds([&] { cell = *change(before.cell()); });
-  const double compiling = seconds([&] { (void)CompiledCell(cell).pairs(PairScope::all()); });
+  const double compiling =
+      seconds([&] { (void)CompiledCell(cell, &before).pairs(PairScope::all()); });
   std::printf(" %7.2f+%-7.2f", 1e3 * world, 1e3 * compiling);
 }
 

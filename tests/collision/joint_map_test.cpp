@@ -86,7 +86,7 @@ TEST(JointMaps, ClaimOnlyWhatTheExactCheckerFindsFree) {
       const BatchChecker batch(exact);
       const BatchModel model(exact.cell());
       Rng rng(seed);
-      for (const JointMap& map : prove_joint_maps(batch, model)) {
+      for (const JointMap& map : prove_joint_maps(batch, model).all) {
         const Claim claim(map, model, exact);
         ASSERT_FALSE(claim.pairs.empty());
         tally.single += claim.is_single();
@@ -97,6 +97,36 @@ TEST(JointMaps, ClaimOnlyWhatTheExactCheckerFindsFree) {
   EXPECT_GT(tally.single, 20);
   // Boxes around shapes without a kernel overlap where the shapes do not.
   EXPECT_GT(tally.known, tally.free / 2) << tally.known << " of " << tally.free;
+}
+
+/// The maps of a random cell, given what is known of another.
+JointMaps maps_of(const test::RandomCellOptions& options, const JointMaps& known) {
+  const SsvChecker exact(strict_cell(1, options));
+  return prove_joint_maps(BatchChecker(exact), BatchModel(exact.cell()), known);
+}
+
+TEST(JointMaps, AreTakenWhereTheyFollowFromTheSameOnly) {
+  test::RandomCellOptions options;
+  const JointMaps first = maps_of(options, {});
+  ++options.obstacles;  // Concerns no link.
+  const JointMaps again = maps_of(options, first);
+  options.padding *= 2;
+  const JointMaps padded = maps_of(options, first);
+  ASSERT_GT(first.all.size(), 4U);
+  ASSERT_EQ(again.all.size(), first.all.size());
+  ASSERT_EQ(padded.all.size(), first.all.size());
+  int between_joints = 0;
+  for (std::size_t i = 0; i < first.all.size(); ++i) {
+    // Those of two arms' first joints are seen from a frame that obstacles have a say in.
+    const bool same_arm =
+        first.all[i].joints[0] / options.joints == first.all[i].joints[1] / options.joints;
+    if (same_arm) {
+      EXPECT_EQ(again.all[i].rooms, first.all[i].rooms);
+    }
+    between_joints += same_arm;
+    EXPECT_NE(padded.all[i].rooms, first.all[i].rooms);
+  }
+  EXPECT_GT(between_joints, 2);
 }
 
 }  // namespace

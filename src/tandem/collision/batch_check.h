@@ -107,9 +107,8 @@ class BlockChecker {
   /// The same where the spheres around the groups do not tell.
   HWY_NOINLINE bool Descend(const BatchItem& item) {
     Mask open = hn::Eq(Fill(0), Fill(0));
-    if (item.joint_map >= 0) {
-      const JointMap& map = model_.joint_maps[static_cast<std::size_t>(item.joint_map)];
-      open = hn::Not(KnownFree(map, hn::Zero(kFloats), hn::Zero(kFloats)));
+    if (item.joint_map) {
+      open = hn::Not(KnownFree(*item.joint_map, hn::Zero(kFloats), hn::Zero(kFloats)));
       if (None(open)) return false;
     }
     for (int i = item.first; i < item.first + item.count; ++i) {

@@ -95,9 +95,10 @@ std::vector<int> leaves_of(const SsvModel& exact, const BatchModel& model) {
 
 }  // namespace
 
-BatchChecker::BatchChecker(const SsvChecker& exact)
+BatchChecker::BatchChecker(const SsvChecker& exact, const JointMaps* known)
     : exact_(exact), model_(std::make_unique<BatchModel>(exact.cell())) {
-  model_->joint_maps = prove_joint_maps(*this, *model_);
+  model_->joint_maps = std::make_shared<const JointMaps>(
+      prove_joint_maps(*this, *model_, known ? *known : JointMaps()));
   leaves_ = leaves_of(exact.model(), *model_);
 }
 
@@ -107,6 +108,10 @@ BatchChecker::Pairs BatchChecker::compile(const world::PairSelection& selection,
                                           double within) const {
   expects(within >= kClearanceCap, "edges are proven to keep up to kClearanceCap");
   return std::make_shared<const BatchPairs>(compile_pairs(*model_, cell(), selection, within));
+}
+
+const std::shared_ptr<const JointMaps>& BatchChecker::joint_maps() const {
+  return model_->joint_maps;
 }
 
 BatchChecker::ScratchPtr BatchChecker::make_scratch() const {

@@ -11,6 +11,7 @@ namespace tandem::collision {
 
 struct BatchModel;
 struct BatchPairs;
+struct JointMaps;
 
 /// What is known of a straight edge.
 struct EdgeProof {
@@ -56,7 +57,8 @@ class BatchChecker {
   static constexpr double kClearanceCap = 0.02;  ///< [m]
 
   /// @param exact  decides what single precision cannot; must outlive the checker.
-  explicit BatchChecker(const SsvChecker& exact);
+  /// @param known  of this or another cell: what it holds of the same links is not proven anew.
+  explicit BatchChecker(const SsvChecker& exact, const JointMaps* known = nullptr);
   ~BatchChecker();
   BatchChecker(const BatchChecker&) = delete;
   BatchChecker& operator=(const BatchChecker&) = delete;
@@ -69,6 +71,8 @@ class BatchChecker {
   Pairs compile(const world::PairSelection& selection, double within = kClearanceCap) const;
   Pairs compile(const world::PairScope& scope) const { return compile(cell().select(scope)); }
   ScratchPtr make_scratch() const;
+  /// What was proven ahead of time, for checkers of other cells.
+  const std::shared_ptr<const JointMaps>& joint_maps() const;
 
   /// Whether every column of Q (dof x n, n >= 0, finite) is free. Most colliding blocks end at the
   /// first pair found. Allocates nothing.

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "tandem/collision/batch_checker.h"
@@ -53,6 +54,7 @@ struct BatchShape {
   float span;                 ///< Most distance of the core from its body's centre [m],
   float offset;               ///< and from its group's.
   float bound() const { return circumradius + outer; }
+  bool operator==(const BatchShape&) const = default;
 };
 
 struct BatchBody {
@@ -66,8 +68,9 @@ struct BatchBody {
   float outer = 0;
 };
 
-/// Where in the values of one or two joints, the only ones that decide the relative pose of two
-/// groups, nothing of them touches: cells of equal size between the joints' limits.
+/// Where in the values of one or two joints nothing of two groups touches: cells of equal size
+/// between the joints' limits. See joint_map.h.
+struct JointRooms;
 struct JointMap {
   static constexpr int kSide = 64;
   static constexpr std::size_t at(int u, int v) { return static_cast<std::size_t>(u * kSide + v); }
@@ -75,8 +78,13 @@ struct JointMap {
   int group_a, group_b;
   std::array<int, 2> joints;  ///< The same one twice: there is no second axis, v = 0.
   std::array<float, 2> low, cells_per_unit;
+  std::shared_ptr<const JointRooms> rooms;
   /// By cell: -1, or how many rings of cells around a cell are proven to be free as it is.
-  std::vector<std::int8_t> room;
+  const std::int8_t* room;
+};
+
+struct JointMaps {
+  std::vector<JointMap> all;
 };
 
 struct BatchModel {
@@ -89,8 +97,9 @@ struct BatchModel {
   /// By joint, then by depth of the joints above: most distance of the group's centre to their
   /// axes [m], over all configurations inside the limits (prismatic: 1).
   std::vector<float> levers;
-  std::vector<JointMap> joint_maps;  ///< See joint_map.h.
-  int depth = 0;                     ///< Of the deepest joint.
+  /// Known to none while they are being proven.
+  std::shared_ptr<const JointMaps> joint_maps = std::make_shared<const JointMaps>();
+  int depth = 0;  ///< Of the deepest joint.
   int dof = 0;
   float margin = 0;  ///< [m]
   Eigen::Isometry3d X_CW;
@@ -117,7 +126,7 @@ struct BatchItem {
   int standing;
   int common, shared;          ///< Last joint above both, and its depth.
   float reach;                 ///< Sum of radii [m].
-  int joint_map;               ///< In BatchModel::joint_maps; -1: none.
+  const JointMap* joint_map;   ///< nullptr: none.
   int first, count;            ///< In BatchPairs::body_pairs.
   Vector3f3 center{}, half{};  ///< Of the standing body's box.
 };

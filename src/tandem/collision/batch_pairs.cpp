@@ -155,7 +155,7 @@ BatchItem PairCompiler::standing_item(const Entry& entry) const {
   item.standing = entry.other;
   item.common = -1;
   item.shared = 0;
-  item.joint_map = -1;
+  item.joint_map = nullptr;
   item.reach = model_.groups[static_cast<std::size_t>(entry.group_a)].radius + other.outer;
   item.center = other.p_CB;
   item.half = other.half;
@@ -171,11 +171,11 @@ BatchItem PairCompiler::moving_item(const Entry& entry) const {
   item.shared = model_.depth_of(item.common);
   item.reach = model_.groups[static_cast<std::size_t>(entry.group_a)].radius +
                model_.groups[static_cast<std::size_t>(entry.other)].radius;
-  const auto map = std::ranges::find_if(model_.joint_maps, [&](const JointMap& candidate) {
+  const std::vector<JointMap>& maps = model_.joint_maps->all;
+  const auto map = std::ranges::find_if(maps, [&](const JointMap& candidate) {
     return candidate.group_a == item.group_a && candidate.group_b == item.group_b;
   });
-  item.joint_map =
-      map == model_.joint_maps.end() ? -1 : static_cast<int>(map - model_.joint_maps.begin());
+  item.joint_map = map == maps.end() ? nullptr : &*map;
   return item;
 }
 

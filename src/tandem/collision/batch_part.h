@@ -64,9 +64,8 @@ class PartProver {
     const V travel = Fill(static_cast<float>(work_.half_length) * travels_.OfItem(item));
     Mask open = Within(hn::Eq(travel, travel), squared, item.reach, travel);
     if (None(open)) return open;
-    if (item.joint_map >= 0 && !want_clearance_) {
-      open =
-          hn::AndNot(KnownFree(model_.joint_maps[static_cast<std::size_t>(item.joint_map)]), open);
+    if (item.joint_map && !want_clearance_) {
+      open = hn::AndNot(KnownFree(*item.joint_map), open);
       if (None(open)) return open;
     }
     open = item.group_b < 0 ? NearStanding(item, open) : NearMoving(item, open);

@@ -2,12 +2,19 @@
 
 namespace tandem::collision {
 
-CompiledCell::CompiledCell(std::shared_ptr<const world::Workcell> cell)
-    : cell_(std::move(cell)), exact_(cell_) {}
+CompiledCell::CompiledCell(std::shared_ptr<const world::Workcell> cell, const CompiledCell* like)
+    : cell_(std::move(cell)), exact_(cell_) {
+  if (!like) return;
+  const std::lock_guard lock(like->known_->mutex);
+  known_->joint_maps = like->known_->joint_maps;
+}
 
 const BatchChecker& CompiledCell::batch() const {
   const std::lock_guard lock(known_->mutex);
-  if (!known_->batch) known_->batch = std::make_unique<const BatchChecker>(exact_);
+  if (!known_->batch) {
+    known_->batch = std::make_unique<const BatchChecker>(exact_, known_->joint_maps.get());
+    known_->joint_maps = known_->batch->joint_maps();
+  }
   return *known_->batch;
 }
 
@@ -27,10 +34,14 @@ BatchChecker::Pairs CompiledCell::pairs(const world::PairScope& scope) const {
 }
 
 const CompiledCell& CompiledCell::alone(int arm) const {
+  {
+    const std::lock_guard lock(known_->mutex);
+    const auto known = known_->alone.find(arm);
+    if (known != known_->alone.end()) return *known->second;
+  }
+  auto made = std::make_unique<const CompiledCell>(cell_->arm_alone(arm), this);
   const std::lock_guard lock(known_->mutex);
-  auto& alone = known_->alone[arm];
-  if (!alone) alone = std::make_unique<const CompiledCell>(cell_->arm_alone(arm));
-  return *alone;
+  return *known_->alone.try_emplace(arm, std::move(made)).first->second;
 }
 
 }  // namespace tandem::collision

@@ -14,7 +14,10 @@ namespace tandem::collision {
 /// it is first asked for.
 class CompiledCell {
  public:
-  explicit CompiledCell(std::shared_ptr<const world::Workcell> cell);
+  /// @param like  of the same cell in another state, or of one with the same robots: what is known
+  ///   of their links is taken from it.
+  explicit CompiledCell(std::shared_ptr<const world::Workcell> cell,
+                        const CompiledCell* like = nullptr);
 
   const world::Workcell& cell() const { return *cell_; }
   const std::shared_ptr<const world::Workcell>& shared_cell() const { return cell_; }
@@ -32,6 +35,7 @@ class CompiledCell {
   /// What was asked for so far. Nodes of maps stay where they are.
   struct Known {
     std::mutex mutex;
+    std::shared_ptr<const JointMaps> joint_maps;
     std::unique_ptr<const BatchChecker> batch;
     std::map<world::PairScope, world::PairSelection> selections;
     std::map<world::PairScope, BatchChecker::Pairs> pairs;

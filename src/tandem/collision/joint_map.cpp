@@ -38,15 +38,16 @@ struct Square {
 class MapProver {
  public:
   MapProver(const BatchChecker& checker, const BatchModel& model,
-            const world::PairSelection& selection, JointMap& map)
+            const world::PairSelection& selection, const JointMap& map)
       : checker_(checker), model_(model), pairs_(checker.compile(selection)), map_(map) {}
 
-  void prove(BatchChecker::Scratch& scratch) {
+  std::vector<std::int8_t> prove() {
+    const BatchChecker::ScratchPtr scratch = checker_.make_scratch();
     const bool single = map_.joints[0] == map_.joints[1];
     std::vector<Square> squares{{0, 0, kSide}}, rest;
     for (int side = kSide; !squares.empty(); side /= 2) {
       ask(squares, single);
-      prove_boxes(checker_, Q_, D_, *pairs_, false, scratch, proofs_);
+      prove_boxes(checker_, Q_, D_, *pairs_, false, *scratch, proofs_);
       rest.clear();
       for (std::size_t i = 0; i < squares.size(); ++i) {
         const Square& square = squares[i];
@@ -63,6 +64,7 @@ class MapProver {
       }
       std::swap(squares, rest);
     }
+    return std::move(room_);
   }
 
  private:
@@ -88,35 +90,36 @@ class MapProver {
   void mark(const Square& square) {
     for (int u = square.first; u < square.first + square.side; ++u) {
       for (int v = square.second; v < square.second + square.side; ++v)
-        map_.room[JointMap::at(u, v)] = 0;
+        room_[JointMap::at(u, v)] = 0;
     }
   }
 
   const BatchChecker& checker_;
   const BatchModel& model_;
   BatchChecker::Pairs pairs_;
-  JointMap& map_;
+  const JointMap& map_;
+  std::vector<std::int8_t> room_ = std::vector<std::int8_t>(kSide * kSide, -1);
   Eigen::MatrixXd Q_, D_;
   std::vector<BoxProof> proofs_;
 };
 
 /// Raises the room of proven cells to the rings of proven cells around them. What is beyond the
 /// limits takes no room away: no box that anybody asks about is there.
-void measure_room(JointMap& map) {
+void measure_room(std::vector<std::int8_t>& rooms) {
   const auto sweep = [&](int u, int v, int step) {
-    std::int8_t& room = map.room[JointMap::at(u, v)];
+    std::int8_t& room = rooms[JointMap::at(u, v)];
     if (room < 0) return;
     std::int8_t least = kSide;
     const auto look = [&](int i, int k) {
       if (0 <= i && i < kSide && 0 <= k && k < kSide) {
-        least = std::min(least, map.room[JointMap::at(i, k)]);
+        least = std::min(least, rooms[JointMap::at(i, k)]);
       }
     };
     for (const int shift : {-1, 0, 1}) look(u - step, v + shift);
     look(u, v - step);
     room = std::min<std::int8_t>(room, static_cast<std::int8_t>(least + 1));
   };
-  for (std::int8_t& room : map.room) room = room < 0 ? -1 : kSide;
+  for (std::int8_t& room : rooms) room = room < 0 ? -1 : kSide;
   for (int u = 0; u < kSide; ++u) {
     for (int v = 0; v < kSide; ++v) sweep(u, v, 1);
   }
@@ -125,12 +128,11 @@ void measure_room(JointMap& map) {
   }
 }
 
-/// Nothing where more than two joints decide, or two that are not independent.
+/// A map without rooms; nothing where more than two joints decide, or two that are not independent.
 std::optional<JointMap> empty_map(const BatchModel& model, int a, int b) {
   const std::vector<int> joints = joints_between(model, a, b);
   if (joints.empty() || joints.size() > 2) return std::nullopt;
-  JointMap map{a,  b,  {joints.front(), joints.back()},
-               {}, {}, std::vector<std::int8_t>(kSide * kSide, -1)};
+  JointMap map{a, b, {joints.front(), joints.back()}, {}, {}, nullptr, nullptr};
   const bool single = joints.size() == 1;
   if (!single && joint_at(model, joints[0]).column == joint_at(model, joints[1]).column) {
     return std::nullopt;
@@ -146,24 +148,73 @@ std::optional<JointMap> empty_map(const BatchModel& model, int a, int b) {
   return map;
 }
 
-}  // namespace
+std::vector<JointRooms::Step> steps_down(const BatchModel& model, int common, int group) {
+  std::vector<JointRooms::Step> steps;
+  for (int j = group; j != common; j = joint_at(model, j).parent) {
+    const BatchJoint& joint = joint_at(model, j);
+    steps.push_back({joint.prismatic, joint.multiplier, joint.offset, joint.lower, joint.upper,
+                     joint.X_PJ.matrix()});
+  }
+  return steps;
+}
 
-std::vector<JointMap> prove_joint_maps(const BatchChecker& checker, const BatchModel& model) {
-  std::map<std::pair<int, int>, world::PairSelection> by_groups;
-  const std::vector<world::BodyPair>& pairs = checker.cell().pairs();
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
+/// All that the rooms of a map follow from, without them.
+JointRooms rooms_to_prove(const BatchModel& model, const world::Workcell& cell, const JointMap& map,
+                          const world::PairSelection& selection) {
+  const int common = model.common_joint(map.group_a, map.group_b);
+  JointRooms rooms{
+      steps_down(model, common, map.group_a), steps_down(model, common, map.group_b), {}, {}, {}};
+  std::map<int, int> place;  // By body.
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const BatchBody& body = model.bodies[b];
+    if (body.joint != map.group_a && body.joint != map.group_b) continue;
+    place[static_cast<int>(b)] = static_cast<int>(rooms.bodies.size());
+    const auto first = model.shapes.begin() + body.first_shape;
+    rooms.bodies.emplace_back(first, first + body.shape_count);
+    for (BatchShape& shape : rooms.bodies.back()) shape.joint = 0;
+  }
+  for (const int i : selection) {
+    const world::BodyPair& pair = cell.pairs()[static_cast<std::size_t>(i)];
+    rooms.pairs.push_back({place.at(pair.a), place.at(pair.b)});
+  }
+  return rooms;
+}
+
+using Groups = std::pair<int, int>;
+
+std::map<Groups, world::PairSelection> pairs_by_groups(const BatchModel& model,
+                                                       const world::Workcell& cell) {
+  std::map<Groups, world::PairSelection> by_groups;
+  for (std::size_t i = 0; i < cell.pairs().size(); ++i) {
+    const world::BodyPair& pair = cell.pairs()[i];
     const auto group = [&](int body) { return model.bodies[static_cast<std::size_t>(body)].joint; };
-    const auto [a, b] = std::minmax({group(pairs[i].a), group(pairs[i].b)});
+    const auto [a, b] = std::minmax({group(pair.a), group(pair.b)});
     if (a >= 0 && a != b) by_groups[{a, b}].push_back(static_cast<int>(i));
   }
-  const BatchChecker::ScratchPtr scratch = checker.make_scratch();
-  std::vector<JointMap> maps;
-  for (const auto& [groups, selection] : by_groups) {
+  return by_groups;
+}
+
+}  // namespace
+
+JointMaps prove_joint_maps(const BatchChecker& checker, const BatchModel& model, JointMaps known) {
+  JointMaps maps;
+  for (const auto& [groups, selection] : pairs_by_groups(model, checker.cell())) {
     std::optional<JointMap> map = empty_map(model, groups.first, groups.second);
     if (!map) continue;
-    MapProver(checker, model, selection, *map).prove(*scratch);
-    measure_room(*map);
-    maps.push_back(*std::move(map));
+    JointRooms rooms = rooms_to_prove(model, checker.cell(), *map, selection);
+    const auto same = std::ranges::find_if(known.all, [&](const JointMap& other) {
+      return other.rooms->follows_from_the_same(rooms);
+    });
+    if (same != known.all.end()) {
+      map->rooms = same->rooms;
+    } else {
+      rooms.room = MapProver(checker, model, selection, *map).prove();
+      measure_room(rooms.room);
+      map->rooms = std::make_shared<const JointRooms>(std::move(rooms));
+      known.all.push_back(*map);  // Another arm may be alike.
+    }
+    map->room = map->rooms->room.data();
+    maps.all.push_back(*std::move(map));
   }
   return maps;
 }

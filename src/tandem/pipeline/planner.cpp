@@ -39,8 +39,10 @@ std::shared_ptr<const CompiledCell> Planner::Cells::compiled(
     std::rotate(known, known + 1, recent_.end());
     return recent_.back();
   }
+  const CompiledCell* like = recent_.empty() ? nullptr : recent_.back().get();
+  auto made = std::make_shared<const CompiledCell>(cell, like);
   if (recent_.size() == kMost) recent_.erase(recent_.begin());
-  recent_.push_back(std::make_shared<const CompiledCell>(cell));
+  recent_.push_back(std::move(made));
   return recent_.back();
 }
 
