@@ -24,9 +24,6 @@ namespace {
 
 /// Ways around what blocks that are made motions, to take the quickest.
 constexpr int kAlternatives = 3;
-/// Of the paper's search, which cannot know that there is no way [s]. The paper
-/// needs 0.4 s.
-constexpr double kPaperSearch = 2;
 
 /// Two arms that come together in the coordinated motion.
 std::string touching(const world::Workcell& cell, const collision::Certificate& certificate) {
