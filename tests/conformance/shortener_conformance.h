@@ -162,6 +162,12 @@ TEST_P(ShortenerConformance, RefusesWhatIsNoPath) {
   ShorteningOptions none = options_;
   none.clearance = 0;
   EXPECT_THROW(run(path, none), ContractViolation);
+  ShorteningOptions fewer = options_;
+  fewer.edges = -1;
+  EXPECT_THROW(run(path, fewer), ContractViolation);
+  fewer.edges = 5;
+  fewer.points_per_edge.assign(path.size() - 1, 1);
+  EXPECT_THROW(run(path, fewer), ContractViolation);
   ShorteningOptions arms = options_;
   arms.weights.arms = {1};
   EXPECT_THROW(run(path, arms), ContractViolation);

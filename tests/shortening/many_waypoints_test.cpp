@@ -4,6 +4,8 @@
 
 #include "planned_paths.h"
 #include "tandem/core/rng.h"
+#include "tandem/shortening/path_cost.h"
+#include "tandem/shortening/proven_edges.h"
 
 namespace tandem::shortening {
 namespace {
@@ -57,6 +59,37 @@ TEST_F(ManyWaypoints, OfACurveTakeAsManyIterations) {
   }
   EXPECT_LT(many.iterations, 1.5 * few.iterations);
   EXPECT_NEAR(many.f, few.f, 0.02 * few.f);
+}
+
+// On straight pieces, all of which are proven, and hardly longer than with all waypoints.
+TEST_F(ManyWaypoints, AreMovedByFewEdgesOnRequest) {
+  double all = 0, few = 0;
+  long looks_with_all = 0, looks = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const JointPath path = planned(seed, 20);
+    ShorteningOptions options;
+    options.prove_edges = true;
+    const Shortening complete = shorten(path, options);
+    options.edges = 10;
+    const Shortening result = shorten(path, options);
+    all += complete.after;
+    few += result.after;
+    looks_with_all += complete.evaluations;
+    looks += result.evaluations;
+    ASSERT_EQ(result.path.size(), path.size());
+    EXPECT_EQ(result.before, complete.before);
+    EXPECT_NEAR(result.after, PathCost(*cell_, {}).path(result.path), 1e-12);
+    int bends = 0;
+    for (std::size_t i = 1; i + 1 < path.size(); ++i) {
+      const Eigen::VectorXd bend = result.path[i + 1] - 2 * result.path[i] + result.path[i - 1];
+      bends += bend.norm() > 1e-9;
+    }
+    EXPECT_LE(bends, 13);
+    const auto scratch = batch_.make_scratch();
+    EXPECT_TRUE(unproven_edges(batch_, *pairs_, result.path, *scratch, {}).empty());
+  }
+  EXPECT_LT(few, 1.02 * all);
+  EXPECT_LT(looks, 0.8 * static_cast<double>(looks_with_all));
 }
 
 TEST_F(ManyWaypoints, KeepEdgesAsShortAsAsked) {

@@ -40,7 +40,7 @@ JointPath CoarsePath::divided() const {
 }
 
 CoarsePath coarsened(const JointPath& path, int edges) {
-  const double each = std::max(1.0, static_cast<double>(path.size() - 1) / edges);
+  const double each = std::max(1.0, static_cast<double>(path.size() - 1) / std::max(edges, 2));
   CoarsePath coarse;
   const std::vector<std::size_t> bends = corners(path);
   for (std::size_t k = 0; k + 1 < bends.size(); ++k) {

@@ -14,6 +14,9 @@ void check_input(const world::Workcell& cell, const motion::JointPath& path,
   expects(options.clearance > 0 && options.tolerance > 0 && options.longest_edge >= 1 &&
               options.difference_step >= 0,
           "clearance and tolerance are positive, edges may at least be as long as the mean");
+  expects(
+      options.edges >= 0 && (options.edges == 0 || options.points_per_edge.empty()),
+      "the number of edges is not negative, and points on edges are given for all of them only");
   expects(options.points_per_edge.empty() || options.points_per_edge.size() + 1 == path.size(),
           "one number of points per edge, or none");
 }
@@ -26,13 +29,9 @@ collision::BatchChecker::Pairs pairs_within(const collision::CompiledCell& compi
 
 Shortening unchanged(const world::Workcell& cell, const motion::JointPath& path,
                      const ShorteningOptions& options) {
-  PathCost cost(cell, options.weights);
-  Waypoint from, to;
-  cost.place(path.front(), false, from);
-  cost.place(path.back(), false, to);
   Shortening result;
   result.path = path;
-  result.before = result.after = cost.edge(from, to);
+  result.before = result.after = PathCost(cell, options.weights).path(path);
   return result;
 }
 

@@ -77,6 +77,18 @@ double PathCost::edge(const Waypoint& from, const Waypoint& to) const {
   return 0.5 * (squared_length(from, to) + joints_ * (to.q - from.q).squaredNorm());
 }
 
+double PathCost::path(const motion::JointPath& path) {
+  double sum = 0;
+  Waypoint from, to;
+  place(path.front(), false, from);
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    place(path[i], false, to);
+    sum += edge(from, to);
+    std::swap(from, to);
+  }
+  return sum;
+}
+
 void PathCost::add_derivatives(const Waypoint& from, const Waypoint& to, double scale, int block,
                                VectorXd& gradient, math::BlockTridiagonal* H) {
   const Eigen::Index dof = cell_.dof();

@@ -26,7 +26,9 @@ class PathCost {
   /// Where the tools are at q, with `jacobians` or without.
   void place(const Eigen::Ref<const Eigen::VectorXd>& q, bool jacobians, Waypoint& waypoint);
 
-  /// Cost of the edge between two placed waypoints.
+  /// Cost of a whole path,
+  double path(const motion::JointPath& path);
+  /// and of the edge between two placed waypoints.
   double edge(const Waypoint& from, const Waypoint& to) const;
   /// Square of its length in R3 x SO(3), all arms together: the cost without the joints, twice.
   double squared_length(const Waypoint& from, const Waypoint& to) const;

@@ -32,8 +32,12 @@ struct ShorteningOptions {
   /// came in: keeps waypoints spread as in Wittmann et al. 2022; infinity: as they fall.
   double longest_edge = std::numeric_limits<double>::infinity();
   double tolerance = 1e-3;  ///< Stops when the objective falls by less than this fraction.
+  /// Shorten with about so many edges that stand for those of the path, straight pieces of it:
+  /// where it bends, it may go on bending. Sooner done, and hardly longer. 0: with all. Not with
+  /// SLSQP.
+  int edges = 0;
   /// Points inside each edge at which distances are looked at, by edge; empty: the middle of each.
-  /// The paper looks at waypoints only: 0 each.
+  /// The paper looks at waypoints only: 0 each. Not with `edges`.
   std::vector<int> points_per_edge = {};
   /// Every edge of the result is proven to be free, if those of the path that came in are: where an
   /// edge is not, more points inside it are looked at while the search goes on. What still is not

@@ -55,8 +55,9 @@ struct Candidate {
 class Search {
  public:
   Search(const collision::BatchChecker& checker, const collision::BatchPairs& pairs,
-         const CoarsePath& reference, const ShorteningOptions& options,
-         collision::BatchChecker::Scratch& scratch, const StopCondition& stop)
+         const CoarsePath& reference, std::vector<int> points_per_edge,
+         const ShorteningOptions& options, collision::BatchChecker::Scratch& scratch,
+         const StopCondition& stop)
       : checker_(checker),
         pairs_(pairs),
         reference_(reference.waypoints),
@@ -66,10 +67,9 @@ class Search {
         stop_(stop),
         cell_(checker.cell()),
         cost_(cell_, options.weights),
-        points_(options.points_per_edge),
+        points_(std::move(points_per_edge)),
         qp_(cell_.dof(), static_cast<int>(parts_.size()) - 1),
         safe_(&reference_) {
-    if (points_.size() != parts_.size()) points_.assign(parts_.size(), 1);
     look();
   }
 
@@ -404,6 +404,66 @@ Shortening Search::run(const JointPath* start) {
   return finish(best);
 }
 
+/// Shortens a path with all its waypoints, with few, or first with few and then with all.
+class Run {
+ public:
+  Run(const collision::CompiledCell& compiled, const world::PairScope& scope, const JointPath& path,
+      const ShorteningOptions& options, const StopCondition& stop)
+      : checker_(compiled.batch()),
+        pairs_(pairs_within(compiled, scope, options.clearance)),
+        path_(path),
+        options_(options),
+        stop_(stop),
+        scratch_(checker_.make_scratch()) {}
+
+  Shortening with_all(const JointPath* start) const {
+    const CoarsePath all = CoarsePath::of(path_);
+    return search(all, options_.points_per_edge.empty() ? all.parts : options_.points_per_edge,
+                  start);
+  }
+
+  /// Every waypoint is looked at all the same.
+  Shortening with(CoarsePath few) const {
+    std::vector<int> between = few.parts;
+    for (int& points : between) points = std::max(1, points - 1);
+    Shortening result = search(few, std::move(between), nullptr);
+    few.waypoints = std::move(result.path);
+    result.path = few.divided();
+    PathCost cost(checker_.cell(), options_.weights);
+    result.before = cost.path(path_);
+    result.after = cost.path(result.path);
+    if (result.after < result.before) return result;
+    result.path = path_;
+    result.after = result.before;
+    return result;
+  }
+
+  /// Bends that are as long as the path are found with few waypoints, the rest is near.
+  Shortening with_all_after(CoarsePath few) const {
+    Shortening rough = search(few, std::vector<int>(few.parts.size(), 1), nullptr);
+    few.waypoints = std::move(rough.path);
+    const JointPath start = few.divided();
+    Shortening result = with_all(rough.after < rough.before ? &start : nullptr);
+    result.evaluations += rough.evaluations;
+    return result;
+  }
+
+ private:
+  Shortening search(const CoarsePath& reference, std::vector<int> points_per_edge,
+                    const JointPath* start) const {
+    return Search(checker_, *pairs_, reference, std::move(points_per_edge), options_, *scratch_,
+                  stop_)
+        .run(start);
+  }
+
+  const collision::BatchChecker& checker_;
+  const collision::BatchChecker::Pairs pairs_;
+  const JointPath& path_;
+  const ShorteningOptions& options_;
+  const StopCondition& stop_;
+  const collision::BatchChecker::ScratchPtr scratch_;
+};
+
 class StructuredShortener final : public Shortener {
  public:
   Shortening shorten(const collision::CompiledCell& compiled, const world::PairScope& scope,
@@ -411,21 +471,11 @@ class StructuredShortener final : public Shortener {
                      const StopCondition& stop) const override {
     check_input(compiled.cell(), path, options);
     if (path.size() == 2) return unchanged(compiled.cell(), path, options);
-    const auto pairs = pairs_within(compiled, scope, options.clearance);
-    const auto scratch = compiled.batch().make_scratch();
-    const auto search = [&](const CoarsePath& reference, const JointPath* start) {
-      return Search(compiled.batch(), *pairs, reference, options, *scratch, stop).run(start);
-    };
-    const CoarsePath fine = CoarsePath::of(path);
-    CoarsePath coarse = coarsened(path, kCoarseEdges);
-    if (2 * coarse.parts.size() > fine.parts.size()) return search(fine, nullptr);
-    // Bends that are as long as the path are found with few waypoints, the rest is near.
-    Shortening rough = search(coarse, nullptr);
-    coarse.waypoints = std::move(rough.path);
-    const JointPath start = coarse.divided();
-    Shortening result = search(fine, rough.after < rough.before ? &start : nullptr);
-    result.evaluations += rough.evaluations;
-    return result;
+    const Run run(compiled, scope, path, options, stop);
+    CoarsePath few = coarsened(path, options.edges > 0 ? options.edges : kCoarseEdges);
+    if (options.edges > 0) return run.with(std::move(few));
+    return 2 * few.parts.size() < path.size() ? run.with_all_after(std::move(few))
+                                              : run.with_all(nullptr);
   }
 };
 

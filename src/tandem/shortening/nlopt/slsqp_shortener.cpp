@@ -238,8 +238,8 @@ class SlsqpShortener final : public Shortener {
                      const StopCondition& stop) const override {
     const world::Workcell& cell = compiled.cell();
     check_input(cell, path, options);
-    expects(options.points_per_edge.empty() && !options.prove_edges,
-            "SLSQP looks at waypoints only");
+    expects(options.points_per_edge.empty() && !options.prove_edges && options.edges == 0,
+            "SLSQP looks at waypoints only, and moves all");
     if (path.size() == 2) return unchanged(cell, path, options);
     std::vector<Probe> probes = make_probes(path, std::vector<int>(path.size() - 1, 0));
     const auto scratch = compiled.batch().make_scratch();
