@@ -175,9 +175,9 @@ class BoxProver {
     among = Within(among, gaps.PointTo(gaps.Center(s), t), outer + a.circumradius, quick);
     if (None(among)) return among;
     const Gap gap = gaps.Between(s, t);
-    touching_ = hn::Or(touching_, hn::And(among, hn::Lt(gap.squared, Fill(gap.touch_below))));
+    touching_ = hn::Or(touching_, hn::And(among, hn::Lt(gap.upper, Fill(gap.touch_below))));
     const V squared = hn::Max(gap.squared, hn::Zero(kFloats));
-    if (gap.is_box) {
+    if (gap.is_vague) {
       hopeless_ = hn::Or(hopeless_, hn::And(among, hn::Le(squared, hn::Zero(kFloats))));
     } else if (want_clearance_) {
       NoteNearest(among, squared, outer);

@@ -202,7 +202,7 @@ class BlockChecker {
     const Gap gap = gaps_.Between(a, b);
     const Mask near = hn::And(open, hn::Le(gap.squared, Fill(outer * outer)));
     if (None(near)) return false;
-    if (!None(hn::And(open, hn::Lt(gap.squared, Fill(gap.touch_below))))) return true;
+    if (!None(hn::And(open, hn::Lt(gap.upper, Fill(gap.touch_below))))) return true;
     for (unsigned lanes = Bits(near) & ~resolved; lanes != 0; lanes &= lanes - 1) {
       if (work_.touches_exactly(pair, std::countr_zero(lanes))) return true;
     }

@@ -6,7 +6,7 @@
 #define TANDEM_COLLISION_BATCH_GAP_H
 #endif
 
-#include "tandem/collision/batch_place.h"
+#include "tandem/collision/batch_support.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace tandem::collision::HWY_NAMESPACE {
@@ -33,9 +33,6 @@ HWY_INLINE V PointCylinder(const V3& p, const V3& half) {
   const V across = hn::Max(hn::Sub(from_axis, half.y), zero);
   return hn::MulAdd(across, across, Square(along));
 }
-
-/// Guards a division: squares of lengths far below any shape's.
-HWY_INLINE V Positive(V squared) { return hn::Max(squared, Fill(1e-30F)); }
 
 /// From the nearest point of a cylinder with x along its axis to p.
 HWY_INLINE V3 FromCylinder(const V3& p, const V3& half) {
@@ -156,9 +153,10 @@ HWY_NOINLINE V BoxBox(const V3& r, const Box& a, const Box& b) {
 
 /// What is known of the distance of two cores.
 struct Gap {
-  V squared;          ///< [m^2] lower bound, with its sign.
-  float touch_below;  ///< [m^2] Where it is less, the shapes touch for sure.
-  bool is_box;        ///< Of the box around a core, not of the core.
+  V squared;          ///< [m^2] lower bound, with its sign,
+  V upper;            ///< and upper bound.
+  float touch_below;  ///< [m^2] Where the upper bound is less, the shapes touch for sure.
+  bool is_vague;      ///< Where the lower bound is 0 or less, nothing more is found out here.
 };
 
 /// Distances of placed shapes.
@@ -201,9 +199,10 @@ class Gaps {
 
   /// Of a point a and a core b at this distance.
   HWY_INLINE Gap OfPoint(V squared, int a, int b) const {
-    const bool is_box = ShapeAt(b).core == BatchCore::kOpaque;
-    return {squared, is_box ? kNever : TouchBelow(ShapeAt(a), ShapeAt(b)), is_box};
+    return Exactly(squared, ShapeAt(a), ShapeAt(b));
   }
+  /// Whether FromShape is from the core itself.
+  HWY_INLINE bool HasNearestPoint(int b) const { return ShapeAt(b).core <= BatchCore::kCylinder; }
 
   /// Of two cores, the simpler one first.
   HWY_NOINLINE Gap Between(int a, int b) {
@@ -211,15 +210,23 @@ class Gaps {
     const BatchShape& shape_b = ShapeAt(b);
     if (shape_a.core > shape_b.core) return Between(b, a);
     const V3 p = Center(a);
+    if (shape_b.core == BatchCore::kPolytope) return BySupports(a, b);
     if (shape_a.core == BatchCore::kPoint) return OfPoint(PointTo(p, b), a, b);
+    if (shape_b.core == BatchCore::kCylinder) return BySupports(a, b);
     if (shape_a.core == BatchCore::kSegment) {
-      const bool is_box = shape_b.core > BatchCore::kBox;
-      const V squared = SegmentTo(p, HalfOf(a), b);
-      return {squared, is_box ? kNever : TouchBelow(shape_a, shape_b), is_box};
+      return Exactly(SegmentTo(p, HalfOf(a), b), shape_a, shape_b);
+    }
+    const V squared = BoxBox(p - Center(b), BoxOf(a), BoxOf(b));
+    if (shape_b.core == BatchCore::kOpaque) return {squared, squared, kNever, true};
+    const float outer = shape_a.outer + shape_b.outer;
+    const bool rounded = shape_a.inner + shape_b.inner > 0;
+    if (rounded && !None(hn::Le(squared, Fill(outer * outer)))) {
+      Gap gap = BySupports(a, b);
+      gap.squared = hn::Max(gap.squared, squared);
+      return gap;
     }
     const float margin = 0.5F * (shape_a.outer - shape_a.inner + shape_b.outer - shape_b.inner);
-    const bool is_box = shape_b.core > BatchCore::kBox;
-    return {BoxBox(p - Center(b), BoxOf(a), BoxOf(b)), is_box ? kNever : -margin * margin, is_box};
+    return {squared, squared, -margin * margin, false};
   }
 
  private:
@@ -228,6 +235,17 @@ class Gaps {
   static float TouchBelow(const BatchShape& a, const BatchShape& b) {
     const float inner = a.inner + b.inner;
     return inner > 0 ? inner * inner : kNever;
+  }
+
+  /// Of cores at this distance, or of the box around b if that is opaque.
+  HWY_INLINE static Gap Exactly(V squared, const BatchShape& a, const BatchShape& b) {
+    const bool is_box = b.core == BatchCore::kOpaque;
+    return {squared, squared, is_box ? kNever : TouchBelow(a, b), is_box};
+  }
+  HWY_INLINE Gap BySupports(int a, int b) {
+    const Bounds bounds = BoundDistance(Supports(model_, placement_), a, b, Center(a) - Center(b));
+    const float touch_below = TouchBelow(ShapeAt(a), ShapeAt(b));
+    return {bounds.lower, bounds.upper, touch_below, touch_below == kNever};
   }
 
   HWY_INLINE V3 DirectionInBox(const V3& v, int shape) {

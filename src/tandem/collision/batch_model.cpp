@@ -102,6 +102,9 @@ Matrix3d box_axes(const Shape& shape) {
   return R;
 }
 
+/// Polytopes of more vertices are left to the exact checker, which climbs from vertex to vertex.
+constexpr std::size_t kMostVertices = 64;
+
 BatchCore core_of(const Shape& shape) {
   switch (shape.type()) {
     case CoreType::kPoint:
@@ -113,9 +116,13 @@ BatchCore core_of(const Shape& shape) {
       return BatchCore::kBox;
     case CoreType::kCylinder:
       return BatchCore::kCylinder;
-    default:
-      return BatchCore::kOpaque;
+    case CoreType::kTriangle:
+      return BatchCore::kPolytope;
+    case CoreType::kConvex:
+      return shape.hull().vertices.size() <= kMostVertices ? BatchCore::kPolytope
+                                                           : BatchCore::kOpaque;
   }
+  return BatchCore::kOpaque;
 }
 
 /// Something with a box around it, before it is rounded to single precision.
@@ -125,6 +132,7 @@ struct Boxed {
   Matrix3d R_BJ;
   Vector3d low, high;  ///< In B, about Jo.
   double radius;
+  std::vector<Vector3d> vertices_B = {};  ///< Of a polytope, about Jo.
 };
 
 void include(Boxed& box, const Vector3d& p_J) {
@@ -144,7 +152,10 @@ Boxed box_around(const Shape& shape_J, int joint) {
     box.high = center + half;
     return box;
   }
-  for (const Vector3d& p_J : shape_J.hull_vertices()) include(box, p_J);
+  for (const Vector3d& p_J : shape_J.hull_vertices()) {
+    include(box, p_J);
+    if (box.core == BatchCore::kPolytope) box.vertices_B.push_back(box.R_BJ * p_J);
+  }
   return box;
 }
 
@@ -220,8 +231,12 @@ double furthest_reach(const BatchModel& model, const std::vector<Boxed>& shapes)
 }
 
 /// Rounds a shape, with a margin that covers this and what its kernels round [m].
-BatchShape compile_shape(Boxed box, const BatchModel& model) {
+BatchShape compile_shape(Boxed box, BatchModel& model) {
   BatchShape shape{};
+  shape.first_vertex = static_cast<int>(model.vertices.size());
+  shape.vertex_count = static_cast<int>(box.vertices_B.size());
+  const Vector3d middle = 0.5 * (box.high + box.low);
+  for (const Vector3d& v_B : box.vertices_B) model.vertices.push_back(to_float(v_B - middle));
   shape.core = box.core;
   shape.joint = box.joint;
   if (box.joint < 0) {
@@ -235,7 +250,7 @@ BatchShape compile_shape(Boxed box, const BatchModel& model) {
   const bool point_like = half.maxCoeff() < kParallel;
   const bool segment_like = half[1] < kParallel && half[2] < kParallel;
   const Vector3d x = box.R_BJ.row(0).transpose();
-  const bool exact = box.core != BatchCore::kCylinder && box.core != BatchCore::kOpaque;
+  const bool exact = box.core <= BatchCore::kBox;
   if (box.joint < 0 && exact &&
       (point_like || is_permutation(box.R_BJ) ||
        (segment_like && x.cwiseAbs().maxCoeff() > 1 - kParallel))) {

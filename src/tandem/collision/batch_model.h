@@ -37,22 +37,23 @@ struct BatchSphere {
   float radius;
 };
 
-/// Which kernel tells the exact distance of a core. Opaque ones have only the box around them.
-enum class BatchCore : std::uint8_t { kPoint, kSegment, kBox, kCylinder, kOpaque };
+/// Which kernel tells the distance of a core. Opaque ones have only the box around them.
+enum class BatchCore : std::uint8_t { kPoint, kSegment, kBox, kCylinder, kPolytope, kOpaque };
 
 /// A padded shape as a rounded box: tight around the core along its own axes.
 struct BatchShape {
   BatchCore core;
   bool aligned;  ///< Stands still, with the axes of C: of a segment or box.
   int joint;
-  Vector3f3 p_JC;             ///< Centre of the box.
-  std::array<float, 9> R_BJ;  ///< Its axes are rows; a segment lies along the first.
-  Vector3f3 half;             ///< [m]
-  float outer, inner;         ///< Radius plus and minus the margin [m].
-  float inverse;              ///< Of a segment: one over its half length squared [1/m^2].
-  float circumradius;         ///< Of the core's box about its centre [m].
-  float span;                 ///< Most distance of the core from its body's centre [m],
-  float offset;               ///< and from its group's.
+  Vector3f3 p_JC;                  ///< Centre of the box.
+  std::array<float, 9> R_BJ;       ///< Its axes are rows; a segment lies along the first.
+  Vector3f3 half;                  ///< [m]
+  float outer, inner;              ///< Radius plus and minus the margin [m].
+  float inverse;                   ///< Of a segment: one over its half length squared [1/m^2].
+  float circumradius;              ///< Of the core's box about its centre [m].
+  float span;                      ///< Most distance of the core from its body's centre [m],
+  float offset;                    ///< and from its group's.
+  int first_vertex, vertex_count;  ///< Of a polytope, in BatchModel::vertices.
   float bound() const { return circumradius + outer; }
   bool operator==(const BatchShape&) const = default;
 };
@@ -90,6 +91,7 @@ struct JointMaps {
 struct BatchModel {
   std::vector<BatchJoint> joints;
   std::vector<BatchShape> shapes;
+  std::vector<Vector3f3> vertices;  ///< From the centre of a shape's box, along its axes.
   std::vector<BatchBody> bodies;
   std::vector<BatchSphere>
       groups;                    ///< By joint: around all bodies rigid with it; radius < 0: none.

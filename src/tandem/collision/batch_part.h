@@ -190,7 +190,8 @@ class PartProver {
   Mask UnprovenShape(int s, int t, int common, Mask among, V quick) {
     if (gaps_.ShapeAt(s).core > gaps_.ShapeAt(t).core) std::swap(s, t);
     const BatchShape& a = gaps_.ShapeAt(s);
-    if (a.core == BatchCore::kPoint) return UnprovenPoint(s, t, common, among, quick);
+    if (a.core == BatchCore::kPoint && (gaps_.HasNearestPoint(t)))
+      return UnprovenPoint(s, t, common, among, quick);
     const float outer = a.outer + gaps_.ShapeAt(t).outer;
     among = Within(among, gaps_.PointTo(gaps_.Center(s), t), outer + a.circumradius, quick);
     if (None(among)) return among;
@@ -222,8 +223,8 @@ class PartProver {
   }
 
   void Judge(const Gap& gap, Mask among) {
-    if (!None(hn::And(among, hn::Lt(gap.squared, Fill(gap.touch_below))))) touches_ = true;
-    if (gap.is_box && !None(hn::And(among, hn::Le(gap.squared, hn::Zero(kFloats))))) {
+    if (!None(hn::And(among, hn::Lt(gap.upper, Fill(gap.touch_below))))) touches_ = true;
+    if (gap.is_vague && !None(hn::And(among, hn::Le(gap.squared, hn::Zero(kFloats))))) {
       is_hopeless_ = true;
     }
   }

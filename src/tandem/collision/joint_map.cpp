@@ -162,8 +162,9 @@ std::vector<JointRooms::Step> steps_down(const BatchModel& model, int common, in
 JointRooms rooms_to_prove(const BatchModel& model, const world::Workcell& cell, const JointMap& map,
                           const world::PairSelection& selection) {
   const int common = model.common_joint(map.group_a, map.group_b);
-  JointRooms rooms{
-      steps_down(model, common, map.group_a), steps_down(model, common, map.group_b), {}, {}, {}};
+  JointRooms rooms;
+  rooms.down_a = steps_down(model, common, map.group_a);
+  rooms.down_b = steps_down(model, common, map.group_b);
   std::map<int, int> place;  // By body.
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const BatchBody& body = model.bodies[b];
@@ -171,7 +172,11 @@ JointRooms rooms_to_prove(const BatchModel& model, const world::Workcell& cell, 
     place[static_cast<int>(b)] = static_cast<int>(rooms.bodies.size());
     const auto first = model.shapes.begin() + body.first_shape;
     rooms.bodies.emplace_back(first, first + body.shape_count);
-    for (BatchShape& shape : rooms.bodies.back()) shape.joint = 0;
+    for (BatchShape& shape : rooms.bodies.back()) {
+      const auto vertex = model.vertices.begin() + shape.first_vertex;
+      rooms.vertices.insert(rooms.vertices.end(), vertex, vertex + shape.vertex_count);
+      shape.joint = shape.first_vertex = 0;
+    }
   }
   for (const int i : selection) {
     const world::BodyPair& pair = cell.pairs()[static_cast<std::size_t>(i)];

@@ -15,14 +15,15 @@ struct JointRooms {
     bool operator==(const Step&) const = default;
   };
   std::vector<Step> down_a, down_b;
-  std::vector<std::vector<BatchShape>> bodies;  ///< Of both groups; `joint` is left out.
+  std::vector<std::vector<BatchShape>> bodies;  ///< Of both groups, their indices left out.
+  std::vector<Vector3f3> vertices;              ///< Of all these.
   std::vector<std::array<int, 2>> pairs;        ///< Of these.
 
   std::vector<std::int8_t> room;  ///< See JointMap::room.
 
   bool follows_from_the_same(const JointRooms& other) const {
     return down_a == other.down_a && down_b == other.down_b && bodies == other.bodies &&
-           pairs == other.pairs;
+           vertices == other.vertices && pairs == other.pairs;
   }
 };
 
