@@ -174,7 +174,7 @@ class BoxProver {
     const float outer = a.outer + gaps.ShapeAt(t).outer;
     among = Within(among, gaps.PointTo(gaps.Center(s), t), outer + a.circumradius, quick);
     if (None(among)) return among;
-    const Gap gap = gaps.Between(s, t);
+    const Gap gap = gaps.Between(s, t, hn::Add(Fill(outer + work_.keep), quick));
     touching_ = hn::Or(touching_, hn::And(among, hn::Lt(gap.upper, Fill(gap.touch_below))));
     const V squared = hn::Max(gap.squared, hn::Zero(kFloats));
     if (gap.is_vague) {

@@ -199,7 +199,7 @@ class BlockChecker {
     const float outer = shape_a.outer + gaps_.ShapeAt(b).outer;
     // Of points this is the distance itself.
     if (Apart(open, gaps_.PointTo(gaps_.Center(a), b), outer + shape_a.circumradius)) return false;
-    const Gap gap = gaps_.Between(a, b);
+    const Gap gap = gaps_.Between(a, b, Fill(outer));
     const Mask near = hn::And(open, hn::Le(gap.squared, Fill(outer * outer)));
     if (None(near)) return false;
     if (!None(hn::And(open, hn::Lt(gap.upper, Fill(gap.touch_below))))) return true;

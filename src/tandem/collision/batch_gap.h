@@ -204,29 +204,30 @@ class Gaps {
   /// Whether FromShape is from the core itself.
   HWY_INLINE bool HasNearestPoint(int b) const { return ShapeAt(b).core <= BatchCore::kCylinder; }
 
-  /// Of two cores, the simpler one first.
-  HWY_NOINLINE Gap Between(int a, int b) {
+  /// Of two cores.
+  /// @param reach  [m] Beyond it a coarse lower bound will do.
+  HWY_NOINLINE Gap Between(int a, int b, V reach) {
+    if (ShapeAt(a).core > ShapeAt(b).core) std::swap(a, b);  // The simpler one first.
     const BatchShape& shape_a = ShapeAt(a);
     const BatchShape& shape_b = ShapeAt(b);
-    if (shape_a.core > shape_b.core) return Between(b, a);
     const V3 p = Center(a);
-    if (shape_b.core == BatchCore::kPolytope) return BySupports(a, b);
-    if (shape_a.core == BatchCore::kPoint) return OfPoint(PointTo(p, b), a, b);
-    if (shape_b.core == BatchCore::kCylinder) return BySupports(a, b);
-    if (shape_a.core == BatchCore::kSegment) {
+    if (shape_a.core == BatchCore::kPoint && HasNearestPoint(b))
+      return OfPoint(PointTo(p, b), a, b);
+    if (shape_b.core <= BatchCore::kBox && shape_a.core == BatchCore::kSegment) {
       return Exactly(SegmentTo(p, HalfOf(a), b), shape_a, shape_b);
     }
-    const V squared = BoxBox(p - Center(b), BoxOf(a), BoxOf(b));
-    if (shape_b.core == BatchCore::kOpaque) return {squared, squared, kNever, true};
-    const float outer = shape_a.outer + shape_b.outer;
-    const bool rounded = shape_a.inner + shape_b.inner > 0;
-    if (rounded && !None(hn::Le(squared, Fill(outer * outer)))) {
-      Gap gap = BySupports(a, b);
-      gap.squared = hn::Max(gap.squared, squared);
-      return gap;
+    const V around = BetweenBoxes(p, a, b);
+    const float touch_below = TouchBelow(shape_a, shape_b);
+    const bool two_boxes = shape_a.core == BatchCore::kBox && shape_b.core == BatchCore::kBox;
+    if (shape_b.core == BatchCore::kOpaque || All(hn::Gt(around, Square(reach)))) {
+      return {around, around, kNever, !two_boxes};
     }
-    const float margin = 0.5F * (shape_a.outer - shape_a.inner + shape_b.outer - shape_b.inner);
-    return {squared, squared, -margin * margin, false};
+    if (two_boxes && touch_below == kNever) {
+      const float margin = 0.5F * (shape_a.outer - shape_a.inner + shape_b.outer - shape_b.inner);
+      return {around, around, -margin * margin, false};
+    }
+    const Bounds bounds = BoundDistance(Supports(model_, placement_), a, b, p - Center(b));
+    return {hn::Max(bounds.lower, around), bounds.upper, touch_below, touch_below == kNever};
   }
 
  private:
@@ -237,15 +238,22 @@ class Gaps {
     return inner > 0 ? inner * inner : kNever;
   }
 
-  /// Of cores at this distance, or of the box around b if that is opaque.
+  /// Of cores at this distance.
   HWY_INLINE static Gap Exactly(V squared, const BatchShape& a, const BatchShape& b) {
-    const bool is_box = b.core == BatchCore::kOpaque;
-    return {squared, squared, is_box ? kNever : TouchBelow(a, b), is_box};
+    return {squared, squared, TouchBelow(a, b), false};
   }
-  HWY_INLINE Gap BySupports(int a, int b) {
-    const Bounds bounds = BoundDistance(Supports(model_, placement_), a, b, Center(a) - Center(b));
-    const float touch_below = TouchBelow(ShapeAt(a), ShapeAt(b));
-    return {bounds.lower, bounds.upper, touch_below, touch_below == kNever};
+  /// Of the boxes around two cores, of which the first may be a point or a segment.
+  HWY_INLINE V BetweenBoxes(const V3& p, int a, int b) {
+    switch (ShapeAt(a).core) {
+      case BatchCore::kPoint:
+        return PointBox(PointInBox(p, b), Fill(ShapeAt(b).half));
+      case BatchCore::kSegment: {
+        const V3 u = DirectionInBox(HalfOf(a).u, b);
+        return SegmentBox(PointInBox(p, b), u, Fill(ShapeAt(b).half));
+      }
+      default:
+        return BoxBox(p - Center(b), BoxOf(a), BoxOf(b));
+    }
   }
 
   HWY_INLINE V3 DirectionInBox(const V3& v, int shape) {

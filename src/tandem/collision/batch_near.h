@@ -85,7 +85,7 @@ class NearFinder {
     const BatchShape& shape_a = gaps.ShapeAt(a);
     const float outer = shape_a.outer + gaps.ShapeAt(b).outer;
     if (Apart(gaps.PointTo(gaps.Center(a), b), outer + shape_a.circumradius)) return;
-    const V squared = gaps.Between(a, b).squared;
+    const V squared = gaps.Between(a, b, Fill(outer + within_)).squared;
     const unsigned lanes = Bits(Near(squared, outer)) & ((1U << work_.count) - 1);
     if (lanes == 0) return;
     NearLanes& near = work_.near.emplace_back(NearLanes{pair, a, b, lanes, {}, outer});

@@ -195,7 +195,7 @@ class PartProver {
     const float outer = a.outer + gaps_.ShapeAt(t).outer;
     among = Within(among, gaps_.PointTo(gaps_.Center(s), t), outer + a.circumradius, quick);
     if (None(among)) return among;
-    const Gap gap = gaps_.Between(s, t);
+    const Gap gap = gaps_.Between(s, t, hn::Add(Fill(outer), quick));
     Judge(gap, among);
     const V squared = hn::Max(gap.squared, hn::Zero(kFloats));
     among = Within(among, squared, outer, quick);
