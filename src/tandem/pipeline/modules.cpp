@@ -33,7 +33,7 @@ Modules make_modules(Preset preset, const collision::CompiledCell& compiled,
       modules.shortener = shortening::make_structured_shortener();
       modules.shortening.prove_edges = true;
       modules.shortening.tolerance = 3e-3;  // Lengths change by less than 0.1 %.
-      modules.shortening.edges = 10;        // Likewise.
+      modules.shortening.edges = 10;        // Likewise; long paths take more.
       modules.timing = trajectory::make_barrier_optimizer();
       modules.repair = true;
       break;

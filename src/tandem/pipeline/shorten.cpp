@@ -11,10 +11,21 @@ using motion::JointPath;
 
 namespace {
 
-constexpr int kWaypoints = 20;  // Ref: the paper, "Planner Parameters".
+constexpr int kWaypoints = 20;       // Ref: the paper, "Planner Parameters".
+constexpr double kEdgeLength = 0.3;  // [rad] Longer ones make long paths longer.
 /// How much longer the tools' paths may become where waypoints are dropped, as a fraction of the
 /// whole.
 constexpr double kLonger = 2e-3;
+
+/// Long paths are shortened with more edges, where few are asked for.
+shortening::ShorteningOptions options_for(const JointPath& path, const Modules& modules) {
+  shortening::ShorteningOptions options = modules.shortening;
+  if (options.edges == 0) return options;
+  const double most = static_cast<double>(path.size());
+  const double edges = std::min(most, std::ceil(motion::joint_length(path) / kEdgeLength));
+  options.edges = std::max(options.edges, static_cast<int>(edges));
+  return options;
+}
 
 /// Sum over the arms of L, measured at the waypoints.
 double tool_length(const world::Workcell& cell, const JointPath& path) {
@@ -119,8 +130,9 @@ JointPath shorten_path(const ShortenContext& context, const ResolvedQuery& ends,
   {
     ModuleTimer timer(report.times.plpp);
     ++report.counts.shortenings;
-    shortening::Shortening result = context.modules.shortener->shorten(
-        context.compiled, world::PairScope::all(), dense, context.modules.shortening, context.stop);
+    shortening::Shortening result =
+        context.modules.shortener->shorten(context.compiled, world::PairScope::all(), dense,
+                                           options_for(dense, context.modules), context.stop);
     if (result.drawn_back > 0) ++report.rungs["plpp_blend"];
     shortened = std::move(result.path);
     if (context.options.preset == Preset::kDefault &&
