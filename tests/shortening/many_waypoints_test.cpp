@@ -115,6 +115,25 @@ TEST_F(ManyWaypoints, KeepEdgesAsShortAsAsked) {
   }
 }
 
+// What is done after a stop, counted: with few waypoints, then with all, the reference is measured.
+TEST_F(ManyWaypoints, AreHardlyLookedAtAfterAStop) {
+  std::stop_source source;
+  source.request_stop();
+  const auto stop = StopCondition::after(1e9, source.get_token());
+  const JointPath path = planned(1, 160);
+  for (const int edges : {0, 10}) {
+    ShorteningOptions options;
+    options.prove_edges = true;
+    options.edges = edges;
+    const Shortening result = shorten(path, options, stop);
+    EXPECT_TRUE(result.stopped);
+    EXPECT_EQ(result.path, path);
+    EXPECT_EQ(result.iterations, 0);
+    EXPECT_LE(result.evaluations, 6 * 160);
+    EXPECT_LT(4 * result.evaluations, shorten(path, options).evaluations) << edges;
+  }
+}
+
 double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 // Time of the processor is counted, which others cannot take; the bound is against that of the

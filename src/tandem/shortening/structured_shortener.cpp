@@ -433,9 +433,9 @@ class Run {
     result.before = cost.path(path_);
     result.after = cost.path(result.path);
     if (result.after < result.before) return result;
-    result.path = path_;
-    result.after = result.before;
-    return result;
+    Shortening again = with_all(nullptr);  // All of it was drawn back, or there was no time.
+    again.evaluations += result.evaluations;
+    return again;
   }
 
   /// Bends that are as long as the path are found with few waypoints, the rest is near.
