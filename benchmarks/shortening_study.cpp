@@ -83,7 +83,8 @@ void print_run(const char* name, const Run& run) {
 int compare_solvers(const Cell& cell, int seeds) {
   const auto structured = shortening::make_structured_shortener();
   const auto slsqp = shortening::make_slsqp_shortener();
-  Run fast(*structured, cell), reference(*slsqp, cell), careful(*structured, cell);
+  Run fast(*structured, cell), reference(*slsqp, cell), careful(*structured, cell),
+      few(*structured, cell);
   int worse = 0, count = 0;
   for (const auto& of_query : planned_paths(cell, seeds)) {
     for (const JointPath& path : of_query) {
@@ -96,6 +97,8 @@ int compare_solvers(const Cell& cell, int seeds) {
       options.points_per_edge.clear();
       options.prove_edges = true;
       careful(dense, options);
+      options.edges = 10;
+      few(dense, options);
     }
   }
   std::printf("%d paths, %d joints, %d waypoints; objective divided by nothing\n", count,
@@ -105,6 +108,7 @@ int compare_solvers(const Cell& cell, int seeds) {
   print_run("slsqp", reference);
   print_run("structured, same problem", fast);
   print_run("structured, with proven edges", careful);
+  print_run("structured, with few of them", few);
   std::printf("ratio of medians %.0f; more than 1 %% above slsqp in %d of %d\n",
               Statistics::of(reference.times_ms).p50 / Statistics::of(fast.times_ms).p50, worse,
               count);
