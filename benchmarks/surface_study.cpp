@@ -1,5 +1,6 @@
 /// What meshes and point clouds cost: a workcell as it is, with a terrain of 50,000 triangles and
-/// with a cloud of 100,000 points under its arms.
+/// with a cloud of 100,000 points under its arms. Plans are made by one planner, so that building
+/// is not part of them.
 /// Usage: surface_study WORKCELL [SEEDS]   (over all queries, SEEDS plans each, default 3)
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 
 #include "tandem/collision/ssv_scratch.h"
 #include "tandem/core/rng.h"
+#include "tandem/pipeline/planner.h"
 #include "tandem/tandem.h"
 
 namespace {
@@ -101,12 +103,14 @@ void study(const char* name, const CellPtr& cell, int seeds) {
     (checker->is_free(q, all, *scratch) ? valid : invalid).push_back(q);
   }
   int failed = 0;
+  const tandem::pipeline::Planner planner(cell);
+  planner.prepare({}, {});
   for (const auto& query : cell->queries()) {
     for (int seed = 1; seed <= seeds; ++seed) {
       tandem::PlanOptions options;
       options.seed = static_cast<std::uint64_t>(seed);
       std::optional<tandem::Result<tandem::Plan>> plan;
-      const double took = seconds([&] { plan.emplace(tandem::plan(cell, query, options)); });
+      const double took = seconds([&] { plan.emplace(planner.plan(query, options)); });
       if (!*plan) {
         ++failed;
         continue;
