@@ -7,33 +7,13 @@
 #include "tandem/core/rng.h"
 #include "tandem/motion/piecewise_cubic.h"
 #include "tandem/pipeline/plan.h"
+#include "tandem/planning/arm_validity.h"
 #include "tandem/planning/rrt_connect.h"
 #include "tandem/planning/simplifier.h"
 #include "tandem/trajectory/spline.h"
 #include "tandem/trajectory/time_optimizer.h"
 
 namespace tandem::study {
-
-/// One arm's part of a question about all.
-class ArmValidity final : public planning::Validity {
- public:
-  ArmValidity(const planning::ArmQuestions::Arm& arm, const Eigen::VectorXd& others)
-      : arm_(arm), from_(others), to_(others) {}
-  bool state(const Eigen::VectorXd& q) override {
-    from_.segment(arm_.offset, arm_.dof) = q;
-    return arm_.alone->state(from_);
-  }
-  bool edge(const Eigen::VectorXd& a, const Eigen::VectorXd& b) override {
-    from_.segment(arm_.offset, arm_.dof) = a;
-    to_.segment(arm_.offset, arm_.dof) = b;
-    return arm_.alone->edge(from_, to_);
-  }
-  const planning::ValidityStats& stats() const override { return arm_.alone->stats(); }
-
- private:
-  const planning::ArmQuestions::Arm& arm_;
-  Eigen::VectorXd from_, to_;
-};
 
 /// By arm: a path that is proven alone, as a spline through it within the arm's limits. Empty if an
 /// arm has no way or none to go.
@@ -49,7 +29,7 @@ inline std::vector<motion::PiecewiseCubic> arm_motions(const collision::Compiled
   std::vector<motion::PiecewiseCubic> arms;
   Rng rng(seed);
   for (const auto& arm : validity->by_arm()->arms) {
-    ArmValidity alone(arm, query.start);
+    planning::ArmValidity alone(arm, query.start);
     const auto part = [&](const VectorXd& q) { return VectorXd(q.segment(arm.offset, arm.dof)); };
     const planning::PathProblem problem{part(query.start), part(query.goal), part(cell.lower()),
                                         part(cell.upper())};

@@ -71,11 +71,10 @@ int main(int argc, char** argv) {
   for (const auto& query : *resolved) {
     const auto& at = query.cell ? query.cell : *cell;
     const collision::CompiledCell compiled(at);
-    const collision::SsvChecker& checker = compiled.exact();
     for (int seed = 1; seed <= seeds; ++seed) {
       const auto arms = study::arm_motions(compiled, query, static_cast<std::uint64_t>(seed));
       if (arms.empty()) continue;
-      const coordination::CoordinationProblem problem{checker, arms};
+      const coordination::CoordinationProblem problem{compiled, arms};
       ++problems;
       for (const auto& [name, coordinator] : coordinators) {
         Column& column = columns[name];

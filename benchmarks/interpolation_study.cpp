@@ -44,7 +44,7 @@ double milliseconds_since(Clock::time_point begin) {
 
 void interpolate(const coordination::CoordinationProblem& problem,
                  const coordination::Schedule& schedule, Interpolation kind, Row& row) {
-  const auto scratch = problem.checker.make_scratch();
+  const auto scratch = problem.exact().make_scratch();
   const auto begin = Clock::now();
   const auto made = coordination::interpolate_unrepaired(problem, schedule, kind, *scratch);
   row.time_ms.push_back(milliseconds_since(begin));
@@ -57,7 +57,7 @@ void interpolate(const coordination::CoordinationProblem& problem,
 
 void realize(const coordination::CoordinationProblem& problem,
              const coordination::Schedule& schedule, Row& row) {
-  const auto scratch = problem.checker.make_scratch();
+  const auto scratch = problem.compiled.batch().make_scratch();
   const auto begin = Clock::now();
   const auto made = coordination::realize(problem, schedule, *scratch, StopCondition::after(5));
   row.time_ms.push_back(milliseconds_since(begin));
@@ -116,7 +116,7 @@ int main(int argc, char** argv) {
     for (int seed = 1; seed <= seeds; ++seed) {
       const auto arms = study::arm_motions(compiled, query, static_cast<std::uint64_t>(seed));
       if (arms.empty()) continue;
-      const coordination::CoordinationProblem problem{compiled.exact(), arms};
+      const coordination::CoordinationProblem problem{compiled, arms};
       const auto begin = Clock::now();
       const auto schedule = coordinator->coordinate(problem, static_cast<std::uint64_t>(seed),
                                                     StopCondition::after(0.5));

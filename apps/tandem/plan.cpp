@@ -3,7 +3,8 @@
 #include "commands.h"
 #include "options.h"
 #include "stop_signals.h"
-#include "tandem/collision/ssv_checker.h"
+#include "tandem/collision/compiled_cell.h"
+#include "tandem/core/names.h"
 #include "tandem/io/diagram_file.h"
 #include "tandem/io/plan_file.h"
 #include "tandem/io/table.h"
@@ -16,6 +17,7 @@ struct PlanCommand {
   CellOptions cell;
   PlanningOptions planning;
   std::string query, output, csv, diagram;
+  std::vector<std::string> diagram_arms;
   double rate = 1000;
   bool json = false, force = false;
 };
@@ -51,21 +53,44 @@ coordination::Schedule sampled(const motion::CellMotion& motion) {
   return schedule;
 }
 
-/// The diagram of the first two arms.
+/// The arms of the diagram by their names: those given, or the first two.
+Result<std::pair<int, int>> arms_of_diagram(const PlanCommand& command,
+                                            const world::Workcell& cell) {
+  if (cell.arms().size() < 2) {
+    return fail(ErrorCode::kInvalidInput,
+                "--diagram needs a cell of two arms; '" + cell.name() + "' has one");
+  }
+  std::vector<std::string> names;
+  for (const world::Arm& arm : cell.arms()) names.push_back(arm.name);
+  std::vector<int> found{0, 1};
+  for (std::size_t i = 0; i < command.diagram_arms.size(); ++i) {
+    const std::string& name = command.diagram_arms[i];
+    found[i] = cell.find_arm(name);
+    if (found[i] >= 0) continue;
+    return fail(ErrorCode::kNotFound,
+                "--arms: '" + cell.name() + "' has no arm '" + name + "'" + name_hint(name, names));
+  }
+  if (found[0] == found[1]) {
+    return fail(ErrorCode::kInvalidInput,
+                "--arms names '" + command.diagram_arms[0] + "' twice; a diagram is of two arms");
+  }
+  return std::pair(found[0], found[1]);
+}
+
+/// The diagram of two arms.
 Result<void> save_diagram(const PlanCommand& command, const pipeline::Plan& plan,
                           const std::shared_ptr<const world::Workcell>& given) {
   if (command.diagram.empty()) return {};
   const auto cell = plan.ends.cell ? plan.ends.cell : given;
-  if (cell->arms().size() < 2) {
-    return fail(ErrorCode::kInvalidInput,
-                "--diagram needs a cell of two arms; '" + cell->name() + "' has one");
-  }
-  const collision::SsvChecker checker(cell);
-  coordination::CoordinationProblem problem{checker, {}};
+  const auto arms = arms_of_diagram(command, *cell);
+  if (!arms) return std::unexpected(arms.error());
+  const collision::CompiledCell compiled(cell);
+  coordination::CoordinationProblem problem{compiled, {}};
   for (const motion::ArmMotion& arm : plan.trajectory.arms()) {
     problem.arms.push_back(arm.spline());
   }
-  const auto drawing = coordination::draw_diagram(problem, 0, 1, {sampled(plan.trajectory)});
+  const auto drawing =
+      coordination::draw_diagram(problem, arms->first, arms->second, {sampled(plan.trajectory)});
   if (!drawing) return std::unexpected(drawing.error());
   return io::save_diagram(command.diagram, *drawing, *cell, plan.query, command.force);
 }
@@ -117,6 +142,9 @@ int run(const PlanCommand& command) {
   if (!cell) return failed(cell.error());
   const auto query = (*cell)->find_query(command.query);
   if (!query) return failed(query.error());
+  if (!command.diagram.empty()) {
+    if (auto arms = arms_of_diagram(command, **cell); !arms) return failed(arms.error());
+  }
   const auto plan = pipeline::plan(*cell, **query, command.planning.with(signals.token()));
   if (!plan) return failed(plan.error());
   if (auto saved = save(command, *plan, **cell); !saved) return failed(saved.error());
@@ -144,11 +172,17 @@ void add_plan(CLI::App& app, int& exit_code) {
       ->capture_default_str()
       ->check(positive_number(kHighestRate))
       ->needs(csv);
-  sub->add_option(
-         "--diagram", command->diagram,
-         "Write the coordination diagram of the first two arms here: what is blocked, and\n"
-         "the motion's way (JSON; .csv: cells, and lines beside them)")
-      ->type_name("FILE");
+  auto* diagram = sub->add_option(
+      "--diagram", command->diagram,
+      "Write the coordination diagram of two arms here: what is blocked, and the motion's\n"
+      "way (JSON; .csv: cells, and lines beside them)");
+  diagram->type_name("FILE");
+  sub->add_option("--arms", command->diagram_arms,
+                  "The arms of the diagram, the one along x first; default: the first two")
+      ->type_name("X,Y")
+      ->delimiter(',')
+      ->expected(2)
+      ->needs(diagram);
   sub->add_flag("--json", command->json, "Print the plan file instead of a table");
   add_force(*sub, command->force);
   command->planning.add_to(*sub);

@@ -46,6 +46,13 @@ class Bench(CommandLine):
         self.refused(2, *plan, "d.json", says=("d.json exists", "--force"))
         self.ok(*plan, "d.csv")
         self.assertTrue((self.folder / "d.lines.csv").exists())
+        self.ok(*plan, "e.json", "--arms", "right,left")
+        turned = json.loads((self.folder / "e.json").read_text())
+        self.assertEqual(turned["arms"], diagram["arms"][::-1])
+        self.refused(2, *plan, "f.json", "--arms", "right,lef", says=("--arms", "mean 'left'"))
+        self.refused(2, *plan, "f.json", "--arms", "left,left", says=("'left' twice",))
+        self.refused(2, *plan, "f.json", "--arms", "left", says=("--arms",))
+        self.refused(2, "plan", CELL, "swing", "--arms", "left,right", says=("--diagram",))
 
     def test_failures_are_a_result_and_are_explained(self):
         done = self.ok("bench", CELL, "--cycles", "2", "--deadline", "1e-9", "--json", "b.json")

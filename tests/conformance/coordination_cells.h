@@ -73,13 +73,18 @@ inline motion::PiecewiseCubic rest_to_rest(const motion::JointPath& path, double
 /// A cell with motions, and what is known of it.
 struct CoordinationCase {
   std::string name;
-  std::shared_ptr<const collision::SsvChecker> checker;
+  std::shared_ptr<const collision::CompiledCell> compiled;
+  const collision::SsvChecker* checker = nullptr;  ///< compiled->exact().
   std::vector<motion::PiecewiseCubic> arms;
   bool goes_back = false;   ///< Only with an arm that goes back.
   bool deadlocks = false;   ///< There is no schedule.
   bool in_sequence = true;  ///< Some order of one after the other is free.
 
-  CoordinationProblem problem() const { return {*checker, arms}; }
+  CoordinationProblem problem() const { return {*compiled, arms}; }
+  void set_cell(std::shared_ptr<const world::Workcell> cell) {
+    compiled = std::make_shared<const collision::CompiledCell>(std::move(cell));
+    checker = &compiled->exact();
+  }
 };
 
 inline void PrintTo(const CoordinationCase& c, std::ostream* out) { *out << c.name; }
@@ -90,8 +95,7 @@ inline CoordinationCase disc_case(const std::string& name,
                                   double seconds = 1.0) {
   CoordinationCase c;
   c.name = name;
-  c.checker =
-      std::make_shared<collision::SsvChecker>(disc_cell(std::vector<double>(paths.size(), 0.1)));
+  c.set_cell(disc_cell(std::vector<double>(paths.size(), 0.1)));
   for (const auto& path : paths) {
     c.arms.push_back(rest_to_rest(motion::JointPath(path.begin(), path.end()), seconds));
   }
@@ -150,7 +154,7 @@ inline std::optional<CoordinationCase> swinging_arms(std::uint64_t seed) {
   const auto cell = tandem::test::small_cell();
   CoordinationCase c;
   c.name = "swinging_" + std::to_string(seed);
-  c.checker = std::make_shared<collision::SsvChecker>(cell);
+  c.set_cell(cell);
   const auto scratch = c.checker->make_scratch();
   Rng rng(seed);
   for (const world::Arm& arm : cell->arms()) {

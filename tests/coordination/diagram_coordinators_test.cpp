@@ -22,7 +22,7 @@ class JointCoordinator final : public Coordinator {
  public:
   Result<Schedule> coordinate(const CoordinationProblem& problem, std::uint64_t,
                               const StopCondition& stop) const override {
-    const auto scratch = problem.checker.make_scratch();
+    const auto scratch = problem.exact().make_scratch();
     if (const auto ends = check_problem(problem, *scratch); !ends) {
       return std::unexpected(ends.error());
     }

@@ -122,10 +122,50 @@ TEST(FindWay, MonotoneWaysDoNotGoBackAndExistOnlyWhereNoneMust) {
   });
 }
 
-TEST(FindWays, PassOnTheOtherSide) {
+/// Up to `most` ways.
+std::vector<DiagramWay> ways_through(CoordinationDiagram& diagram, std::size_t most) {
+  std::vector<DiagramWay> ways;
+  explore_ways(diagram, {}, {}, [&](const DiagramWay& way) {
+    ways.push_back(way);
+    return ways.size() < most ? std::numeric_limits<double>::infinity() : 0.0;
+  });
+  return ways;
+}
+
+TEST(ExploreWays, HandsOverShorterOnesThanItsUserHasUseForOnly) {
+  int others = 0;
+  for_each_hard_case([&](const test::CoordinationCase& c) {
+    SCOPED_TRACE(c.name);
+    Diagram d(c);
+    const auto all = ways_through(d.diagram, 10);
+    if (all.size() < 2) return;
+    ++others;
+    const double longest = 0.5 * (all[0].length + all[1].length);
+    Diagram again(c);
+    int used = 0;
+    EXPECT_TRUE(explore_ways(again.diagram, {}, {}, [&](const DiagramWay& way) {
+      if (++used > 1) {
+        EXPECT_LT(way.length, longest);
+      }
+      return longest;
+    }));
+    EXPECT_GE(used, 1);
+    Diagram once(c);
+    used = 0;
+    explore_ways(once.diagram, {}, {}, [&](const DiagramWay& way) {
+      ++used;
+      EXPECT_EQ(way.points, all[0].points);
+      return way.length;
+    });
+    EXPECT_EQ(used, 1);
+  });
+  EXPECT_GT(others, 5);
+}
+
+TEST(ExploreWays, PassOnTheOtherSide) {
   const auto c = test::crossing();
   Diagram d(c);
-  const auto ways = find_ways(d.diagram, {}, 3, {});
+  const auto ways = ways_through(d.diagram, 3);
   ASSERT_GE(ways.size(), 2u);
   // "a" first in one, "b" first in the other: above and below the middle of the diagram.
   const GridPoint middle{d.diagram.goal().x / 2, d.diagram.goal().y / 2};

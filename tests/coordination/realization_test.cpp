@@ -59,7 +59,7 @@ Result<Realization> run(const test::CoordinationCase& c, const std::vector<Vecto
   const auto scratch = c.checker->make_scratch();
   const Schedule schedule = make_schedule(places);
   EXPECT_TRUE(certify_schedule(c.problem(), schedule, *scratch).is_free());
-  return realize(c.problem(), schedule, *scratch, {}, options);
+  return realize(c.problem(), schedule, *c.compiled->batch().make_scratch(), {}, options);
 }
 
 /// Two discs that cross; the second one waits or slows down.
@@ -78,7 +78,7 @@ TEST(Realize, TheDiagonalTakesNoLongerThanTheSlowestArm) {
 TEST(Realize, OneAfterTheOtherTakesTheSumOfTheDurations) {
   const auto c = crossing();
   const VectorXd T = durations(c.problem());
-  const auto scratch = c.checker->make_scratch();
+  const auto scratch = c.compiled->batch().make_scratch();
   const auto schedule = make_sequential_coordinator()->coordinate(c.problem(), 1, {});
   ASSERT_TRUE(schedule);
   const auto done = realize(c.problem(), *schedule, *scratch);
@@ -188,11 +188,50 @@ TEST(Realize, RandomSchedulesOfManyArms) {
 TEST(Realize, StopsWhenAsked) {
   const auto c = crossing();
   const VectorXd T = durations(c.problem());
-  const auto scratch = c.checker->make_scratch();
+  const auto scratch = c.compiled->batch().make_scratch();
   const auto late = realize(c.problem(), make_schedule({VectorXd::Zero(2), Vector2d(T[0], 0), T}),
                             *scratch, StopCondition::after(0));
   ASSERT_FALSE(late);
   EXPECT_EQ(late.error().code, ErrorCode::kTimeout);
+}
+
+std::optional<Realization> run_at_once(const test::CoordinationCase& c,
+                                       const StopCondition& stop = {}) {
+  return realize_at_once(c.problem(), *c.compiled->batch().make_scratch(), stop);
+}
+
+TEST(RealizeAtOnce, SlowsTheQuickerArmsDown) {
+  const auto c = timed_case({{{-1, 0}, {1, 0}}, {{-1, 1}, {0, 1.5}, {1, 1}}, {{0, 3}, {0.1, 3}}});
+  const VectorXd T = durations(c.problem());
+  const auto done = run_at_once(c);
+  ASSERT_TRUE(done);
+  expect_good(c, *done);
+  EXPECT_EQ(done->motion.duration(), T.maxCoeff());
+  for (const motion::ArmMotion& arm : done->motion.arms()) {
+    EXPECT_EQ(arm.duration(), T.maxCoeff()) << "all arrive at the same time";
+  }
+}
+
+TEST(RealizeAtOnce, OrLetsThemWaitAtTheirEnds) {
+  // "b" is out of the way of "a" only if it is not slowed down.
+  const auto c = timed_case({{{-1.2, 0}, {1.2, 0}}, {{0, -0.45}, {0, 0.45}}});
+  const VectorXd T = durations(c.problem());
+  ASSERT_LT(T[1], T[0]);
+  const auto scratch = c.checker->make_scratch();
+  ASSERT_FALSE(
+      certify_schedule(c.problem(), make_schedule({VectorXd::Zero(2), T}), *scratch).is_free());
+  const auto done = run_at_once(c);
+  ASSERT_TRUE(done);
+  expect_good(c, *done);
+  EXPECT_EQ(done->motion.duration(), T.maxCoeff());
+}
+
+TEST(RealizeAtOnce, IsNothingWhereTheArmsMeet) {
+  EXPECT_FALSE(run_at_once(crossing()));
+  EXPECT_FALSE(run_at_once(timed_case({{{-1, 0}, {1, 0}}, {{1, 0}, {-1, 0}}})));
+  const auto apart = timed_case({{{-1, 0}, {1, 0}}, {{-1, 1}, {1, 1}}});
+  EXPECT_TRUE(run_at_once(apart));
+  EXPECT_FALSE(run_at_once(apart, StopCondition::after(0)));
 }
 
 /// The paper's figure: linear breaks the velocity, cubic and quintic keep C2, all are zero-clamped.

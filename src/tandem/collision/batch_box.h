@@ -31,6 +31,8 @@ void ExamineBoxes(const BatchPairs& pairs, std::span<const int> items, bool want
   prover.travels().Bound();
   prover.checker().placement().Place(pairs);
   BoxFindings& found = work.findings;
+  std::ranges::fill(found.pair, -1);
+  std::ranges::fill(found.mover, -1);
   const unsigned all = (1U << work.count) - 1;
   found.open = 0;
   const auto look = [&](int i) HWY_ATTR {
@@ -51,6 +53,7 @@ void ExamineBoxes(const BatchPairs& pairs, std::span<const int> items, bool want
   }
   found.touching = Bits(prover.touching()) & all;
   found.hopeless = Bits(prover.hopeless()) & all;
+  found.blocked = Bits(prover.blocked()) & all;
   if (!want_clearance) return;
   Store(prover.least(), found.least);
   Store(prover.nearest(), found.nearest);

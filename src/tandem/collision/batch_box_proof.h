@@ -24,17 +24,21 @@ class BoxProver {
         checker_(pairs, work),
         travels_(pairs, work, checker_.placement()),
         want_clearance_(want_clearance),
+        names_pairs_(work.names_pairs),
         touching_(hn::MaskFromVec(hn::Zero(kFloats))),
         hopeless_(touching_),
+        blocked_(touching_),
         least_(Fill(static_cast<float>(BatchChecker::kClearanceCap))),
         nearest_(least_),
-        excess_(hn::Zero(kFloats)) {}
+        excess_(hn::Zero(kFloats)),
+        furthest_(Fill(-1)) {}
 
   BlockChecker& checker() { return checker_; }
   BoxTravels& travels() { return travels_; }
 
   Mask touching() const { return touching_; }  ///< Lanes in which something touches as placed.
   Mask hopeless() const { return hopeless_; }  ///< Boxes around other shapes overlap.
+  Mask blocked() const { return blocked_; }    ///< Two shapes touch in all of the box.
   // If a clearance is wanted: what is kept where it is proven [m], the least distance of shapes
   // that was looked at [m], and how many times too far things move where it is not proven.
   V least() const { return least_; }
@@ -62,12 +66,9 @@ class BoxProver {
 
   /// The same, of the lanes in `open`.
   HWY_NOINLINE Mask Descend(const BatchItem& item, V squared, Mask open) {
-    Placement& placement = checker_.placement();
-    const V travel_a =
-        travels_.OfPoint(placement.GroupCenter(item.group_a), item.group_a, item.common);
-    const V travel_b = item.group_b < 0 ? hn::Zero(kFloats)
-                                        : travels_.OfPoint(placement.GroupCenter(item.group_b),
-                                                           item.group_b, item.common);
+    const V travel_a = travels_.OfGroupCenter(item.group_a, item.common);
+    const V travel_b =
+        item.group_b < 0 ? hn::Zero(kFloats) : travels_.OfGroupCenter(item.group_b, item.common);
     open = Within(open, squared, item.reach, hn::Add(travel_a, travel_b));
     Mask unproven = hn::MaskFromVec(hn::Zero(kFloats));
     for (int i = item.first; i < item.first + item.count; ++i) {
@@ -109,9 +110,9 @@ class BoxProver {
   const BatchBody& BodyAt(int body) const { return model_.bodies[static_cast<std::size_t>(body)]; }
 
   /// Travel of a body's centre; that of its group's where they are the same.
-  HWY_INLINE V BodyTravel(const BatchBody& body, const V3& center, int common, V of_group) {
-    if (model_.group_sizes[static_cast<std::size_t>(body.joint)] == 1) return of_group;
-    return travels_.OfPoint(center, body.joint, common);
+  HWY_INLINE V BodyTravel(int body, int common, V of_group) {
+    const auto joint = static_cast<std::size_t>(BodyAt(body).joint);
+    return model_.group_sizes[joint] == 1 ? of_group : travels_.OfBodyCenter(body, common);
   }
   /// A quick bound for all points of a shape's core, from that of its body's centre.
   HWY_INLINE V QuickTravel(const BatchShape& shape, int common, V of_body) {
@@ -122,7 +123,7 @@ class BoxProver {
     Gaps& gaps = checker_.gaps();
     const BatchBody& body = BodyAt(pair.a);
     const V3 center = checker_.placement().BodyCenter(pair.a);
-    const V travel = BodyTravel(body, center, -1, of_group);
+    const V travel = BodyTravel(pair.a, -1, of_group);
     Mask unproven = hn::MaskFromVec(hn::Zero(kFloats));
     for (int i = pair.first_shape; i < pair.first_shape + pair.shape_count; ++i) {
       const int other = pairs_.standing_shapes[static_cast<std::size_t>(i)];
@@ -131,7 +132,7 @@ class BoxProver {
       for (int s = body.first_shape; s < body.first_shape + body.shape_count; ++s) {
         if (None(open)) break;
         const V quick = QuickTravel(gaps.ShapeAt(s), -1, travel);
-        unproven = hn::Or(unproven, UnprovenShape(s, other, -1, open, quick));
+        unproven = hn::Or(unproven, UnprovenShape(pair, s, other, -1, open, quick));
         open = Rest(open);
       }
     }
@@ -145,8 +146,8 @@ class BoxProver {
     const BatchBody& b = BodyAt(pair.b);
     const V3 center_a = checker_.placement().BodyCenter(pair.a);
     const V3 center_b = checker_.placement().BodyCenter(pair.b);
-    const V travel_a = BodyTravel(a, center_a, common, of_group_a);
-    const V travel_b = BodyTravel(b, center_b, common, of_group_b);
+    const V travel_a = BodyTravel(pair.a, common, of_group_a);
+    const V travel_b = BodyTravel(pair.b, common, of_group_b);
     const V3 r = center_a - center_b;
     Mask unproven = hn::MaskFromVec(hn::Zero(kFloats));
     among =
@@ -160,7 +161,7 @@ class BoxProver {
       for (int t = b.first_shape; t < b.first_shape + b.shape_count; ++t) {
         if (None(open)) break;
         const V quick = hn::Add(quick_a, QuickTravel(gaps.ShapeAt(t), common, travel_b));
-        unproven = hn::Or(unproven, UnprovenShape(s, t, common, open, quick));
+        unproven = hn::Or(unproven, UnprovenShape(pair, s, t, common, open, quick));
         open = Rest(open);
       }
     }
@@ -168,14 +169,16 @@ class BoxProver {
   }
 
   /// @param quick  bound of what both travel; the tighter one costs more.
-  Mask UnprovenShape(int s, int t, int common, Mask among, V quick) {
+  Mask UnprovenShape(const BatchBodyPair& pair, int s, int t, int common, Mask among, V quick) {
     Gaps& gaps = checker_.gaps();
     const BatchShape& a = gaps.ShapeAt(s);
     const float outer = a.outer + gaps.ShapeAt(t).outer;
     among = Within(among, gaps.PointTo(gaps.Center(s), t), outer + a.circumradius, quick);
     if (None(among)) return among;
     const Gap gap = gaps.Between(s, t, hn::Add(Fill(outer + work_.keep), quick));
-    touching_ = hn::Or(touching_, hn::And(among, hn::Lt(gap.upper, Fill(gap.touch_below))));
+    const Mask touches = hn::And(among, hn::Lt(gap.upper, Fill(gap.touch_below)));
+    if (names_pairs_ && !None(touches)) NoteTouching(pair, s, t, common, touches, gap.upper);
+    touching_ = hn::Or(touching_, touches);
     const V squared = hn::Max(gap.squared, hn::Zero(kFloats));
     if (gap.is_vague) {
       hopeless_ = hn::Or(hopeless_, hn::And(among, hn::Le(squared, hn::Zero(kFloats))));
@@ -184,23 +187,60 @@ class BoxProver {
     }
     among = Within(among, squared, outer, quick);
     if (None(among)) return among;
-    const V travel = hn::Add(travels_.OfShape(s, common), travels_.OfShape(t, common));
+    const V travel_a = travels_.OfShape(s, common), travel_b = travels_.OfShape(t, common);
+    const V travel = hn::Add(travel_a, travel_b);
     among = Within(among, squared, outer, travel);
-    if (want_clearance_ && !None(among)) NoteExcess(among, squared, outer, travel);
+    if (None(among)) return among;
+    if (want_clearance_) NoteExcess(among, squared, outer, travel);
+    if (names_pairs_) NoteOpen(pair, among, squared, outer, travel_a, travel_b);
     return among;
   }
 
-  /// A lane that is unproven is still searched for what touches, but not one that does touch.
-  HWY_INLINE Mask Rest(Mask among) const { return hn::AndNot(touching_, among); }
+  /// A signed distance of convex shapes is the largest gap between supporting planes: so it changes
+  /// by no more than their points move.
+  HWY_NOINLINE void NoteTouching(const BatchBodyPair& pair, int s, int t, int common, Mask touches,
+                                 V squared) {
+    const Gaps& gaps = checker_.gaps();
+    const V travel_a = travels_.OfShape(s, common), travel_b = travels_.OfShape(t, common);
+    const V apart = hn::CopySign(hn::Sqrt(hn::Abs(squared)), squared);
+    const float inner = gaps.ShapeAt(s).inner + gaps.ShapeAt(t).inner;
+    const Mask blocks =
+        hn::And(touches, hn::Lt(hn::Add(apart, hn::Add(travel_a, travel_b)), Fill(inner)));
+    Name(pair, hn::AndNot(touching_, touches), travel_a, travel_b);
+    Name(pair, hn::AndNot(blocked_, blocks), travel_a, travel_b);
+    blocked_ = hn::Or(blocked_, blocks);
+  }
+  void NoteOpen(const BatchBodyPair& pair, Mask open, V squared, float reach, V travel_a,
+                V travel_b) {
+    const V room = hn::Max(hn::Sub(hn::Sqrt(squared), Fill(reach)), Fill(1e-9F));
+    const V excess = hn::Div(hn::Add(travel_a, travel_b), room);
+    const Mask further = hn::AndNot(touching_, hn::And(open, hn::Gt(excess, furthest_)));
+    furthest_ = hn::IfThenElse(further, excess, furthest_);
+    Name(pair, further, travel_a, travel_b);
+  }
+  void Name(const BatchBodyPair& pair, Mask lanes, V travel_a, V travel_b) {
+    const unsigned by_b = Bits(hn::Lt(travel_a, travel_b));
+    for (unsigned bits = Bits(lanes); bits != 0; bits &= bits - 1) {
+      const int lane = std::countr_zero(bits);
+      work_.findings.pair[lane] = pair.pair;
+      work_.findings.mover[lane] = (by_b >> lane & 1U) != 0 ? pair.b : pair.a;
+    }
+  }
+
+  /// A lane that is unproven is still searched for what touches, or blocks, but not one that does.
+  HWY_INLINE Mask Rest(Mask among) const {
+    return hn::AndNot(names_pairs_ ? blocked_ : touching_, among);
+  }
 
   const BatchPairs& pairs_;
   BatchChecker::Scratch& work_;
   const BatchModel& model_;
   BlockChecker checker_;
   BoxTravels travels_;
-  bool want_clearance_;
-  Mask touching_, hopeless_;
+  bool want_clearance_, names_pairs_;
+  Mask touching_, hopeless_, blocked_;
   V least_, nearest_, excess_;
+  V furthest_;  // From a proof, of the pairs that are named.
 };
 
 }  // namespace tandem::collision::HWY_NAMESPACE

@@ -84,8 +84,39 @@ class BoxTravels {
     return hn::Mul(turn, Fill(kBoxRoundUp));
   }
 
-  /// As OfPoint for all points of a shape's core: the sum is convex, so most at its ends.
+  /// As OfPoint, of the centre of a group or of a body.
+  V OfGroupCenter(int group, int common) {
+    return Kept(work_.group_travel, work_.group_travel_time, group, common,
+                [&]() HWY_ATTR { return OfPoint(placement_.GroupCenter(group), group, common); });
+  }
+  V OfBodyCenter(int body, int common) {
+    return Kept(work_.body_travel, work_.body_travel_time, body, common, [&]() HWY_ATTR {
+      return OfPoint(placement_.BodyCenter(body),
+                     model_.bodies[static_cast<std::size_t>(body)].joint, common);
+    });
+  }
+  /// As OfPoint for all points of a shape's core.
   V OfShape(int shape, int common) {
+    return Kept(work_.shape_travel, work_.shape_travel_time, shape, common,
+                [&]() HWY_ATTR { return OfCore(shape, common); });
+  }
+
+ private:
+  /// What does not depend on a common joint is computed once per placement.
+  template <class F>
+  HWY_INLINE V Kept(std::vector<LaneRow>& rows, std::vector<std::uint32_t>& times, int index,
+                    int common, F&& compute) {
+    if (common >= 0) return compute();
+    const auto i = static_cast<std::size_t>(index);
+    if (times[i] != work_.now) {
+      Store(compute(), rows[i]);
+      times[i] = work_.now;
+    }
+    return Load(rows[i]);
+  }
+
+  /// The sum is convex, so most at the core's ends.
+  HWY_NOINLINE V OfCore(int shape, int common) {
     const BatchShape& compiled = model_.shapes[static_cast<std::size_t>(shape)];
     if (compiled.joint == common) return hn::Zero(kFloats);
     const LaneRow* rows = placement_.Shape(shape);
@@ -100,7 +131,6 @@ class BoxTravels {
                       OfPoint(center, compiled.joint, common));
   }
 
- private:
   const BatchPairs& pairs_;
   BatchChecker::Scratch& work_;
   const BatchModel& model_;

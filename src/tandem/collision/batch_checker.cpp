@@ -55,6 +55,12 @@ BatchChecker::Scratch::Scratch(const BatchChecker& checker)
   box_deviation.resize(joints);
   box_turn.resize(joints);
   box_travel.resize(joints * index(model.depth));
+  group_travel.resize(joints);
+  group_travel_time.resize(joints);
+  body_travel.resize(model.bodies.size());
+  body_travel_time.resize(model.bodies.size());
+  shape_travel.resize(model.shapes.size());
+  shape_travel_time.resize(model.shapes.size());
   bend.resize(joints * index(model.depth));
   twists.resize(6 * joints);
   edge_a.resize(model.dof);

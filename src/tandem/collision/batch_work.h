@@ -49,6 +49,10 @@ struct BoxFindings {
   LaneRow least;    ///< Kept by what is proven [m], not above the cap.
   LaneRow nearest;  ///< At the centre, of the pairs of shapes that were looked at [m].
   LaneRow excess;   ///< How many times too far things move where it is not proven.
+  // If Scratch::names_pairs:
+  unsigned blocked = 0;  ///< Two shapes touch in all of it.
+  int pair[kMostLanes];  ///< Of the cell: that blocks, else touches, else is furthest from a proof.
+  int mover[kMostLanes];  ///< The body of that pair that moves further.
 };
 
 /// One block of configurations as placed, and what is left to prove of an edge.
@@ -97,7 +101,11 @@ class BatchChecker::Scratch {
   const double* D = nullptr;
   Eigen::Index D_stride = 0;
   std::vector<LaneRow> box_deviation, box_turn, box_travel;
-  float keep = 0;  ///< What has to be kept for a proof [m].
+  /// By all joints above, of the centres of groups and of bodies, and of shapes: kept as placed.
+  std::vector<LaneRow> group_travel, body_travel, shape_travel;
+  std::vector<std::uint32_t> group_travel_time, body_travel_time, shape_travel_time;
+  float keep = 0;            ///< What has to be kept for a proof [m].
+  bool names_pairs = false;  ///< Whether to look for what touches everywhere, and to tell pairs.
   BoxFindings findings;
 
   std::vector<NearLanes> near;  ///< Found last by find_near.

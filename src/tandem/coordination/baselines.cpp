@@ -211,7 +211,7 @@ class GridCoordinator final : public Coordinator {
 
   Result<Schedule> coordinate(const CoordinationProblem& problem, std::uint64_t /*seed*/,
                               const StopCondition& stop) const override {
-    const auto scratch = problem.checker.make_scratch();
+    const auto scratch = problem.exact().make_scratch();
     if (const auto ends = check_problem(problem, *scratch); !ends) {
       return std::unexpected(ends.error());
     }

@@ -2,18 +2,23 @@
 /// Coordination of fixed motions: when is which arm where on its own?
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "tandem/collision/certificate.h"
+#include "tandem/collision/compiled_cell.h"
 #include "tandem/motion/piecewise_cubic.h"
 
 namespace tandem::coordination {
 
 /// Motions that were planned for each arm alone, to be run at the same time.
 struct CoordinationProblem {
-  const collision::SsvChecker& checker;  ///< Of the whole cell.
+  const collision::CompiledCell& compiled;  ///< The whole cell.
   /// By arm, in the cell's order; each proven against everything that its arm alone moves.
   std::vector<motion::PiecewiseCubic> arms;
+
+  const world::Workcell& cell() const { return compiled.cell(); }
+  const collision::SsvChecker& exact() const { return compiled.exact(); }
 };
 
 /// A polyline in coordination space. Between two places all local times run evenly.
@@ -45,13 +50,18 @@ class Coordinator {
   virtual Result<Schedule> coordinate(const CoordinationProblem& problem, std::uint64_t seed,
                                       const StopCondition& stop) const = 0;
 
-  /// Up to `most` schedules (> 0) that lead around what blocks on different sides: that of
-  /// coordinate(), then others, least makespan first. When stops take time, the first need not be
-  /// the best. At least one, or the error of coordinate(). Unless an implementation knows more,
-  /// one.
-  virtual Result<std::vector<Schedule>> alternatives(const CoordinationProblem& problem, int most,
-                                                     std::uint64_t seed,
-                                                     const StopCondition& stop) const;
+  /// What a caller makes of a schedule.
+  /// @return the makespan from which on further schedules are of no use to it [s].
+  using Use = std::function<double(const Schedule&)>;
+  /// Hands over schedules that lead around what blocks on different sides: that of coordinate(),
+  /// then others. When stops take time, the first need not be the best. Unless an implementation
+  /// knows more, that is all.
+  /// @return the error of coordinate().
+  virtual Result<void> explore(const CoordinationProblem& problem, std::uint64_t seed,
+                               const StopCondition& stop, const Use& use) const;
+  /// Up to `most` of them (> 0), the others by their makespans.
+  Result<std::vector<Schedule>> alternatives(const CoordinationProblem& problem, int most,
+                                             std::uint64_t seed, const StopCondition& stop) const;
 };
 
 /// The durations of the arms' motions [s].
@@ -67,6 +77,9 @@ void check_arms(const CoordinationProblem& problem);
 /// @return kInfeasible naming the end and the pair. Throws as check_arms().
 Result<void> check_problem(const CoordinationProblem& problem,
                            collision::CollisionChecker::Scratch& scratch);
+/// The same by the fast checker.
+Result<void> check_problem(const CoordinationProblem& problem,
+                           collision::BatchChecker::Scratch& scratch);
 
 /// The straight edge between two places in coordination space, t in [0, 1].
 class PlacesEdge final : public motion::Motion {

@@ -1,6 +1,7 @@
 #pragma once
 /// The adaptive, certified coordination diagram of two tracks.
 
+#include "tandem/collision/box_check.h"
 #include "tandem/coordination/track.h"
 
 namespace tandem::coordination {
@@ -14,6 +15,7 @@ enum class CellState : std::uint8_t {
 
 struct DiagramOptions {
   double finest = 0.004;  ///< Cells are not divided below about this much local time [s], > 0.
+  double largest = 0.4;  ///< Longer cells are divided before anything is asked about them [s], > 0.
 };
 
 /// A point of the diagram in units of its finest cells.
@@ -38,11 +40,11 @@ class CoordinationDiagram {
   struct Cell {
     int x0, y0, x1, y1;  ///< [units]
     int width, height;   ///< Powers of two; the cell is cut off at the border of the diagram.
-    CellState state = CellState::kUnknown;
+    CellState state = CellState::kUnknown;  ///< Of inner ones too, if they are too large to ask.
     int pair =
         -1;  ///< Index into pairs(): that touches everywhere if blocked, an unproven if open.
     int child = -1;            ///< The first of two halves that follow each other; -1 of a leaf.
-    int first = 0, count = 0;  ///< The pairs that its halves are about.
+    int first = 0, count = 0;  ///< Of what its halves are asked about.
     bool touches = false;      ///< At its middle.
     bool divides_x = false;    ///< By travel: the axis along which it would be divided.
 
@@ -61,7 +63,7 @@ class CoordinationDiagram {
   double unit_y() const { return unit_[1]; }
   double at_x(int units) const { return units == units_[0] ? x_.duration() : units * unit_[0]; }
   double at_y(int units) const { return units == units_[1] ? y_.duration() : units * unit_[1]; }
-  const world::Workcell& cell() const { return problem_.checker.cell(); }
+  const world::Workcell& cell() const { return problem_.cell(); }
   const CoordinationProblem& problem() const { return problem_; }
 
   const std::vector<Cell>& cells() const { return cells_; }  ///< Leaves and inner ones, root first.
@@ -97,14 +99,16 @@ class CoordinationDiagram {
     const Cell& c = at(leaf);
     return c.state == CellState::kOpen && c.size() > size;
   }
-  /// Examines an unknown leaf.
-  void examine(int leaf);
+  /// Examines unknown leaves, many at once.
+  /// @return false if it was stopped; then some of them stay unknown.
+  bool examine(std::span<const int> leaves, const StopCondition& stop = {});
   /// Halves an open leaf of more than one unit; its halves are unknown.
   void divide(int leaf);
   /// Examines and divides leaves until they are free, blocked, or open and at most `size` units:
   /// all of them, or those at and below `from`.
   /// @return false if it was stopped.
-  bool resolve(int size, const StopCondition& stop, int from = 0);
+  bool resolve(int size, const StopCondition& stop) { return resolve(size, stop, {0}); }
+  bool resolve(int size, const StopCondition& stop, std::vector<int> from);
   /// The same for what the line meets, up to the first that is not free.
   /// @return whether all are free.
   bool is_line_free(const HalfLine& line, int size);
@@ -120,21 +124,30 @@ class CoordinationDiagram {
     std::vector<Eigen::VectorXd> center, D;
   };
   std::size_t box(int axis, int from, int to, int width);
+  void examine_block(std::span<const int> leaves);
+  void halve(int leaf, bool along_x);
+  std::span<const int> items_of(std::span<const int> leaves);
 
   const CoordinationProblem& problem_;
   const Track &x_, &y_;
   int units_[2];
   double unit_[2];
   std::vector<Cell> cells_;
-  std::vector<int> pairs_, unproven_;
+  const collision::BatchChecker& checker_;
+  collision::BatchChecker::Pairs pairs_;
+  collision::BatchChecker::ScratchPtr scratch_;
   Boxes boxes_[2];
-  Eigen::VectorXd center_, D_;
-  std::unique_ptr<collision::CollisionChecker::Scratch> scratch_;
-  std::vector<int> examined_;
+  Eigen::MatrixXd centers_, D_;
+  std::vector<collision::BoxFinding> findings_;
+  std::vector<int> items_;  ///< Not proven on open cells, list after list.
+  std::vector<int> asked_, open_, examined_;
 };
 
 /// The pairs that the meeting of two tracks is about: those that arms of both can move, and no
 /// other arm.
 world::PairSelection pairs_between(const world::Workcell& cell, const Track& x, const Track& y);
+/// The same, compiled; once if one of the tracks is of one arm.
+collision::BatchChecker::Pairs compiled_pairs(const collision::CompiledCell& compiled,
+                                              world::ArmMask x, world::ArmMask y);
 
 }  // namespace tandem::coordination

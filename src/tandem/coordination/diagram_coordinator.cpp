@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <limits>
 #include <numeric>
 
 #include "tandem/coordination/deadlock.h"
@@ -37,36 +38,35 @@ class DiagramCoordinator final : public Coordinator {
 
   Result<Schedule> coordinate(const CoordinationProblem& problem, std::uint64_t seed,
                               const StopCondition& stop) const override {
-    auto some = alternatives(problem, 1, seed, stop);
-    if (!some) return std::unexpected(some.error());
-    return std::move(some->front());
+    auto one = alternatives(problem, 1, seed, stop);
+    if (!one) return std::unexpected(one.error());
+    return std::move(one->front());
   }
 
-  Result<std::vector<Schedule>> alternatives(const CoordinationProblem& problem, int most,
-                                             std::uint64_t /*seed*/,
-                                             const StopCondition& stop) const override {
-    expects(most > 0, "at least one schedule is asked for");
-    const auto scratch = problem.checker.make_scratch();
-    if (const auto ends = check_problem(problem, *scratch); !ends) {
-      return std::unexpected(ends.error());
-    }
+  Result<void> explore(const CoordinationProblem& problem, std::uint64_t /*seed*/,
+                       const StopCondition& stop, const Use& use) const override {
+    const auto scratch = problem.compiled.batch().make_scratch();
+    if (const auto ends = check_problem(problem, *scratch); !ends) return ends;
     if (stop()) return std::unexpected(stop.error("coordinating"));
     if (problem.arms.size() == 1) {
-      return std::vector{schedule_of(Track(problem, 0))};
+      use(schedule_of(Track(problem, 0)));
+      return {};
     }
-    return problem.arms.size() == 2 ? of_two(problem, most, stop) : of_many(problem, most, stop);
+    return problem.arms.size() == 2 ? of_two(problem, stop, use) : of_many(problem, stop, use);
   }
 
  private:
-  Result<std::vector<Schedule>> of_two(const CoordinationProblem& problem, int most,
-                                       const StopCondition& stop) const {
+  Result<void> of_two(const CoordinationProblem& problem, const StopCondition& stop,
+                      const Use& use) const {
     const Track x(problem, 0), y(problem, 1);
     CoordinationDiagram diagram(problem, x, y, options_.diagram);
-    const auto ways = find_ways(diagram, options_.search, most, stop);
-    if (ways.empty()) return std::unexpected(explain(diagram, stop));
-    std::vector<Schedule> schedules;
-    for (const DiagramWay& way : ways) schedules.push_back(schedule_of(merge(diagram, way.points)));
-    return schedules;
+    const auto use_way = [&](const DiagramWay& way) {
+      return use(schedule_of(merge(diagram, way.points)));
+    };
+    if (!explore_ways(diagram, options_.search, stop, use_way)) {
+      return std::unexpected(explain(diagram, stop));
+    }
+    return {};
   }
 
   /// Why the search in a diagram of two arms found nothing.
@@ -86,9 +86,9 @@ class DiagramCoordinator final : public Coordinator {
                 describe_blocking(diagram.cell(), open->pair, place)};
   }
 
-  /// All arms in this order; nothing if one cannot be merged.
+  /// All arms in this order; nothing if one cannot be merged, or if it takes `longest` [s].
   std::optional<Schedule> merge_all(const CoordinationProblem& problem,
-                                    const std::vector<int>& order,
+                                    const std::vector<int>& order, double longest,
                                     const StopCondition& stop) const {
     std::deque<Track> tracks;  // Keeps references valid.
     const Track* merged = &tracks.emplace_back(problem, order[0]);
@@ -96,36 +96,42 @@ class DiagramCoordinator final : public Coordinator {
       const Track& next = tracks.emplace_back(problem, order[k]);
       CoordinationDiagram diagram(problem, *merged, next, options_.diagram);
       const auto found = find_way(diagram, options_.search, {}, stop);
-      if (!found.way) return std::nullopt;
+      if (!found.way || found.way->length >= longest) return std::nullopt;
       merged = &tracks.emplace_back(merge(diagram, found.way->points));
     }
     return schedule_of(*merged);
   }
 
-  Result<std::vector<Schedule>> of_many(const CoordinationProblem& problem, int most,
-                                        const StopCondition& stop) const {
-    const double least = durations(problem).maxCoeff();
+  Result<void> of_many(const CoordinationProblem& problem, const StopCondition& stop,
+                       const Use& use) const {
+    const double least = durations(problem).maxCoeff() / (1 - options_.search.gap);
     std::vector<Schedule> schedules;
+    double longest = std::numeric_limits<double>::infinity();
     for (const auto& order : orders(static_cast<int>(problem.arms.size()))) {
       if (stop()) break;
-      auto schedule = merge_all(problem, order, stop);
+      auto schedule = merge_all(problem, order, longest, stop);
       if (!schedule) continue;
-      const bool is_best = schedule->makespan() * (1 - options_.search.gap) <= least;
       schedules.push_back(std::move(*schedule));
-      if (is_best && most == 1) break;
+      // Those that take much longer are of no use.
+      longest = std::min(longest, schedules.back().makespan() * (1 + options_.search.gap));
+      if (schedules.back().makespan() <= least) break;
     }
-    if (!schedules.empty()) {
-      std::ranges::stable_sort(schedules, {}, &Schedule::makespan);
-      schedules.resize(std::min(schedules.size(), static_cast<std::size_t>(most)));
-      return schedules;
+    if (schedules.empty()) {
+      if (stop()) return std::unexpected(stop.error("coordinating"));
+      return search_all(problem, stop, use);
     }
-    if (stop()) return std::unexpected(stop.error("coordinating"));
-    return search_all(problem, stop);
+    std::ranges::stable_sort(schedules, {}, &Schedule::makespan);
+    longest = std::numeric_limits<double>::infinity();
+    for (const Schedule& schedule : schedules) {
+      if (schedule.makespan() >= longest || stop()) break;
+      longest = std::min(longest, use(schedule));
+    }
+    return {};
   }
 
   /// What no order of merging coordinates.
-  Result<std::vector<Schedule>> search_all(const CoordinationProblem& problem,
-                                           const StopCondition& stop) const {
+  Result<void> search_all(const CoordinationProblem& problem, const StopCondition& stop,
+                          const Use& use) const {
     const int arms = static_cast<int>(problem.arms.size());
     for (int i = 0; i < arms; ++i) {
       for (int j = i + 1; j < arms; ++j) {
@@ -136,15 +142,28 @@ class DiagramCoordinator final : public Coordinator {
         if (deadlock) return fail(ErrorCode::kCoordination, describe(diagram, *deadlock));
       }
     }
-    auto schedule = search_jointly(problem, {options_.search, options_.diagram}, stop);
+    const auto schedule = search_jointly(problem, {options_.search, options_.diagram}, stop);
     if (!schedule) return std::unexpected(schedule.error());
-    return std::vector{std::move(*schedule)};
+    use(*schedule);
+    return {};
   }
 
   DiagramCoordinatorOptions options_;
 };
 
 }  // namespace
+
+void prepare_coordination(const collision::CompiledCell& compiled) {
+  const std::size_t arms = compiled.cell().arms().size();
+  if (arms < 2 || arms > 4) return;
+  compiled.pairs(world::PairScope::several());
+  for (std::size_t arm = 0; arm < arms; ++arm) {
+    const world::ArmMask one = world::ArmMask{1} << arm;
+    for (world::ArmMask others = 1; others < world::ArmMask{1} << arms; ++others) {
+      if ((others & one) == 0) compiled_pairs(compiled, one, others);
+    }
+  }
+}
 
 std::unique_ptr<Coordinator> make_diagram_coordinator(const DiagramCoordinatorOptions& options) {
   return std::make_unique<DiagramCoordinator>(options);

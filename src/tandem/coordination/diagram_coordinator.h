@@ -20,4 +20,8 @@ struct DiagramCoordinatorOptions {
 std::unique_ptr<Coordinator> make_diagram_coordinator(
     const DiagramCoordinatorOptions& options = {});
 
+/// Compiles all that this coordinator, and proofs of motions of several arms, ask of a cell of up
+/// to four arms; what more arms ask is compiled when it is first asked.
+void prepare_coordination(const collision::CompiledCell& compiled);
+
 }  // namespace tandem::coordination

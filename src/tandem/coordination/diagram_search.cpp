@@ -86,11 +86,12 @@ bool WaySearch::divide_between(const Raster& raster, const std::vector<int>& fro
     return false;
   };
   const int count = static_cast<int>(diagram_.cells().size());
+  std::vector<int> between;
   for (int leaf = 0; leaf < count; ++leaf) {
     if (!diagram_.at(leaf).is_leaf() || !diagram_.is_divisible(leaf, size_ / 2)) continue;
-    if (is_between(diagram_.at(leaf)) && !diagram_.resolve(size_ / 2, stop_, leaf)) return false;
+    if (is_between(diagram_.at(leaf))) between.push_back(leaf);
   }
-  return true;
+  return diagram_.resolve(size_ / 2, stop_, std::move(between));
 }
 
 /// Looks at the present size, and halves it where that may pay.
@@ -108,6 +109,7 @@ bool WaySearch::narrow() {
     if (target <= (from_start.back() - 1) * step) return false;
     most = target / step + 1;
   } else if (from_start.back() >= 0) {
+    if ((from_start.back() - 1) * step >= options_.longest) return false;
     most = from_start.back() * (1 + options_.gap) + 1;
   } else {
     passage = Passage::kPossible;
@@ -133,7 +135,7 @@ bool WaySearch::divide_at_bends(const DiagramWay& way) {
       if (leaf < 0 || !diagram_.is_divisible(leaf)) continue;
       const int size = diagram_.at(leaf).size();
       if (size * unit_ < worth) continue;
-      diagram_.resolve(std::max(1, size / 4), {}, leaf);
+      diagram_.resolve(std::max(1, size / 4), {}, {leaf});
       divided = true;
     }
   }
@@ -216,27 +218,27 @@ SearchResult find_way(CoordinationDiagram& diagram, const SearchOptions& options
   return WaySearch(diagram, options, barriers, stop).run();
 }
 
-std::vector<DiagramWay> find_ways(CoordinationDiagram& diagram, const SearchOptions& options,
-                                  int most, const StopCondition& stop) {
-  expects(most > 0, "at least one way is asked for");
+bool explore_ways(CoordinationDiagram& diagram, const SearchOptions& options,
+                  const StopCondition& stop, const std::function<double(const DiagramWay&)>& use) {
   auto first = find_way(diagram, options, {}, stop);
-  if (!first.way) return {};
+  if (!first.way) return false;
   std::vector<DiagramWay> ways{std::move(*first.way)};
+  SearchOptions others = options;
+  others.longest = std::min(options.longest, use(ways[0]));
   // One bend's barrier after the other: each closes the side on which the way passes there.
   const std::vector<GridPoint> bends(ways[0].points.begin() + 1, ways[0].points.end() - 1);
   for (const GridPoint bend : bends) {
-    if (static_cast<int>(ways.size()) >= most || stop()) break;
+    if (others.longest <= ways[0].length || stop()) break;
     const Barrier barrier = barrier_at(diagram, bend);
-    auto other = find_way(diagram, options, {&barrier, 1}, stop);
-    if (!other.way) continue;
+    auto other = find_way(diagram, others, {&barrier, 1}, stop);
+    if (!other.way || other.way->length >= others.longest) continue;
     if (std::ranges::any_of(ways, [&](const DiagramWay& w) { return is_same(w, *other.way); })) {
       continue;
     }
     ways.push_back(std::move(*other.way));
+    others.longest = std::min(others.longest, use(ways.back()));
   }
-  std::sort(ways.begin() + 1, ways.end(),
-            [](const DiagramWay& a, const DiagramWay& b) { return a.length < b.length; });
-  return ways;
+  return true;
 }
 
 }  // namespace tandem::coordination

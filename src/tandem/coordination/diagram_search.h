@@ -1,6 +1,8 @@
 #pragma once
 /// The least way through a coordination diagram.
 
+#include <functional>
+#include <limits>
 #include <optional>
 
 #include "tandem/coordination/diagram.h"
@@ -11,6 +13,8 @@ struct SearchOptions {
   bool monotone = false;  ///< No track goes back.
   double gap = 0.1;       ///< In [0, 1): by what part a shorter way may go unnoticed.
   double coarse = 0.2;    ///< [s] of local time: how finely everything is examined first, > 0.
+  /// [s] Longer ways are of no use; where there seems to be no shorter one none is found.
+  double longest = std::numeric_limits<double>::infinity();
 };
 
 /// What must not be crossed, parallel to an axis or a diagonal of the units.
@@ -41,9 +45,10 @@ struct SearchResult {
 SearchResult find_way(CoordinationDiagram& diagram, const SearchOptions& options,
                       std::span<const Barrier> barriers, const StopCondition& stop);
 
-/// The shortest way, then up to `most` - 1 others that pass an obstacle on another side, shorter
-/// ones first. Empty if there is none, or if it was stopped before the first.
-std::vector<DiagramWay> find_ways(CoordinationDiagram& diagram, const SearchOptions& options,
-                                  int most, const StopCondition& stop);
+/// Hands over the shortest way, then others that pass an obstacle on another side.
+/// @param use  returns the length from which on further ways are of no use [s].
+/// @return false if there is none, or if it was stopped before the first.
+bool explore_ways(CoordinationDiagram& diagram, const SearchOptions& options,
+                  const StopCondition& stop, const std::function<double(const DiagramWay&)>& use);
 
 }  // namespace tandem::coordination

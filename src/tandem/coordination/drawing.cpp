@@ -18,7 +18,7 @@ class Lines {
         x_(diagram.x().arms()[0]),
         y_(diagram.y().arms()[0]),
         pairs_(pairs_between(diagram.cell(), diagram.x(), diagram.y())),
-        scratch_(problem.checker.make_scratch()) {}
+        scratch_(problem.exact().make_scratch()) {}
 
   DiagramLine examine(std::string name, Schedule schedule, const StopCondition& stop) const {
     DiagramLine line{std::move(name), std::move(schedule), true};

@@ -270,7 +270,7 @@ std::string JointSearch::blocking() const {
       VectorXd place = VectorXd::Zero(static_cast<Index>(tracks_.size()));
       place[pair.i] = pair.diagram.at_x((c.x0 + c.x1) / 2);
       place[pair.j] = pair.diagram.at_y((c.y0 + c.y1) / 2);
-      return describe_blocking(problem_.checker.cell(), c.pair, place);
+      return describe_blocking(problem_.cell(), c.pair, place);
     }
   }
   return "nothing touches for certain, but too little is proven free";
@@ -282,7 +282,7 @@ Result<Schedule> search_jointly(const CoordinationProblem& problem, const JointO
                                 const StopCondition& stop) {
   expects(problem.arms.size() > 1, "arms are coordinated from two on");
   expects(options.finest_step > 0 && options.most_nodes > 0, "limits of the search are positive");
-  for (const world::BodyPair& pair : problem.checker.cell().pairs()) {
+  for (const world::BodyPair& pair : problem.cell().pairs()) {
     if (std::popcount(pair.moved_by) < 3) continue;
     return fail(ErrorCode::kUnsupported,
                 "bodies that three arms move cannot be coordinated by pairs of arms: use the "

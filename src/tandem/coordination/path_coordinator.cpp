@@ -21,14 +21,14 @@ class PathCoordinator final : public Coordinator {
 
   Result<Schedule> coordinate(const CoordinationProblem& problem, std::uint64_t seed,
                               const StopCondition& stop) const override {
-    const auto scratch = problem.checker.make_scratch();
+    const auto scratch = problem.exact().make_scratch();
     if (const auto ends = check_problem(problem, *scratch); !ends) {
       return std::unexpected(ends.error());
     }
     if (stop()) return std::unexpected(stop.error("coordinating the arms' motions"));
     const VectorXd T = durations(problem);
-    const world::PairSelection pairs = pairs_between_arms(problem.checker.cell());
-    VectorXd q(problem.checker.cell().dof());
+    const world::PairSelection pairs = pairs_between_arms(problem.cell());
+    VectorXd q(problem.cell().dof());
     const auto validity = planning::make_sampled_validity(
         [&](const VectorXd& place) {
           Index first = 0;
@@ -37,7 +37,7 @@ class PathCoordinator final : public Coordinator {
             arm.position(place[i], q.segment(first, arm.dof()));
             first += arm.dof();
           }
-          return problem.checker.is_free(q, pairs, *scratch);
+          return problem.exact().is_free(q, pairs, *scratch);
         },
         options_.segment_fraction * T.sum());
     const planning::PathProblem space{VectorXd::Zero(T.size()), T, VectorXd::Zero(T.size()), T};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "tandem/collision/batch_certificate.h"
 #include "tandem/coordination/schedule_timing.h"
 #include "tandem/core/contract.h"
 
@@ -121,14 +122,14 @@ Polyline with_corners(const Polyline& line, double reach) {
 /// One attempt after the other at one schedule.
 class Realizer {
  public:
-  Realizer(const CoordinationProblem& problem, collision::CollisionChecker::Scratch& scratch,
+  Realizer(const CoordinationProblem& problem, collision::BatchChecker::Scratch& scratch,
            const StopCondition& stop)
       : problem_(problem),
-        pairs_(pairs_between_arms(problem.checker.cell())),
+        pairs_(problem.compiled.pairs(world::PairScope::several())),
         scratch_(scratch),
         stop_(stop),
         arms_(problem.arms.begin(), problem.arms.end()),
-        timing_(arms_, problem.checker.cell().limits()) {}
+        timing_(arms_, problem.cell().limits()) {}
 
   /// A line with the real times of its places.
   struct Timed {
@@ -146,11 +147,10 @@ class Realizer {
     std::vector<ArmMotion> moved;
     for (std::size_t i = 0; i < arms_.size(); ++i) moved.push_back(*arms_[i].along(timed.maps[i]));
     Attempt attempt{CellMotion(std::move(moved)), {}, {}};
-    const std::vector<double>& times = timed.times;
-    for (std::size_t k = 0; k + 1 < times.size(); ++k) {
-      const collision::Certificate proof =
-          collision::certify_interval(problem_.checker, attempt.motion, times[k], times[k + 1],
-                                      pairs_, scratch_, kCertificate, stop_);
+    const auto parts = collision::certify_parts(problem_.compiled.batch(), *pairs_, attempt.motion,
+                                                timed.times, scratch_, kCertificate, stop_);
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const collision::Certificate& proof = parts[k];
       evaluations_ += proof.evaluations;
       if (!proof.is_free()) {
         if (attempt.faults.empty()) attempt.proof = proof;
@@ -163,12 +163,7 @@ class Realizer {
     return attempt;
   }
 
-  Timed fit(const Polyline& line) {
-    const Eigen::Map<const VectorXd> intervals(line.intervals.data(),
-                                               static_cast<Index>(line.intervals.size()));
-    auto maps = timing_.fit(line.places, intervals);
-    return {line, std::move(maps), timing_.times()};
-  }
+  Timed fit(const Polyline& line) { return fit(line, guess(line)); }
   Timed stop_and_go(const Polyline& line) {
     auto maps = timing_.stop_and_go(line.places);
     return {line, std::move(maps), timing_.times()};
@@ -177,22 +172,35 @@ class Realizer {
   /// With places beside the corners, where these make the motion shorter.
   Timed soonest(const Polyline& line) {
     constexpr double kReaches[] = {0.3, 0.7};  // [s] Sharper bends take longer.
-    Timed best = fit(line);
+    Polyline best = line;
+    ScheduleTiming::Guess least = guess(line);
     for (const double reach : kReaches) {
-      const Polyline candidate = with_corners(line, reach);
+      Polyline candidate = with_corners(line, reach);
       if (candidate.places.size() == line.places.size()) break;  // No corner.
-      Timed timed = fit(candidate);
-      if (timed.times.back() < best.times.back()) best = std::move(timed);
+      ScheduleTiming::Guess of_candidate = guess(candidate);
+      if (of_candidate.makespan >= least.makespan) continue;
+      least = std::move(of_candidate);
+      best = std::move(candidate);
     }
-    return best;
+    return fit(best, least);
   }
 
   long evaluations() const { return evaluations_; }
 
  private:
+  ScheduleTiming::Guess guess(const Polyline& line) {
+    return timing_.guess(line.places,
+                         Eigen::Map<const VectorXd>(line.intervals.data(),
+                                                    static_cast<Index>(line.intervals.size())));
+  }
+  Timed fit(const Polyline& line, const ScheduleTiming::Guess& guessed) {
+    auto maps = timing_.fit(line.places, guessed.intervals);
+    return {line, std::move(maps), timing_.times()};
+  }
+
   const CoordinationProblem& problem_;
-  const world::PairSelection pairs_;
-  collision::CollisionChecker::Scratch& scratch_;
+  const collision::BatchChecker::Pairs pairs_;
+  collision::BatchChecker::Scratch& scratch_;
   const StopCondition& stop_;
   const std::vector<ArmMotion> arms_;
   ScheduleTiming timing_;
@@ -215,8 +223,8 @@ std::unexpected<Error> failure(const world::Workcell& cell, const collision::Cer
 }  // namespace
 
 Result<Realization> realize(const CoordinationProblem& problem, const Schedule& schedule,
-                            collision::CollisionChecker::Scratch& scratch,
-                            const StopCondition& stop, const RealizationOptions& options) {
+                            collision::BatchChecker::Scratch& scratch, const StopCondition& stop,
+                            const RealizationOptions& options) {
   check_arms(problem);
   expects(options.repair_rounds >= 0, "rounds of repair are counted");
   Realizer realizer(problem, scratch, stop);
@@ -239,8 +247,40 @@ Result<Realization> realize(const CoordinationProblem& problem, const Schedule& 
   }
   auto attempt = realizer.prove(realizer.stop_and_go(straight));
   if (attempt.proof.stopped) return std::unexpected(stop.error("proving the schedule's motion"));
-  if (!attempt.faults.empty()) return failure(problem.checker.cell(), attempt.proof);
+  if (!attempt.faults.empty()) return failure(problem.cell(), attempt.proof);
   return finished(attempt, timed.line.places.size() - without_repair, true);
+}
+
+std::optional<Realization> realize_at_once(const CoordinationProblem& problem,
+                                           collision::BatchChecker::Scratch& scratch,
+                                           const StopCondition& stop) {
+  check_arms(problem);
+  const VectorXd T = durations(problem);
+  const double longest = T.maxCoeff();
+  const std::vector<double> times{0, longest};
+  const auto pairs = problem.compiled.pairs(world::PairScope::several());
+  long evaluations = 0;
+  for (const bool slowed : {true, false}) {
+    std::vector<ArmMotion> arms;
+    for (std::size_t i = 0; i < problem.arms.size(); ++i) {
+      const double own = T[static_cast<Index>(i)];
+      ArmMotion arm(problem.arms[i]);
+      if (own < longest) {
+        arm = *arm.along(slowed ? *TimeMap::make({0, longest}, {{0, own / longest}})
+                                : *TimeMap::make({0, own, longest}, {{{0, 1}, {own}}}));
+      }
+      arms.push_back(std::move(arm));
+    }
+    CellMotion motion(std::move(arms));
+    const collision::Certificate proof = collision::certify_parts(
+        problem.compiled.batch(), *pairs, motion, times, scratch, kCertificate, stop)[0];
+    evaluations += proof.evaluations;
+    if (proof.is_free()) {
+      return Realization{std::move(motion), proof.least_clearance, 0, false, evaluations};
+    }
+    if (proof.stopped || longest == T.minCoeff()) break;
+  }
+  return std::nullopt;
 }
 
 Result<Interpolated> interpolate_unrepaired(const CoordinationProblem& problem,
@@ -256,8 +296,8 @@ Result<Interpolated> interpolate_unrepaired(const CoordinationProblem& problem,
     arms.push_back(*std::move(moved));
   }
   Interpolated result{CellMotion(std::move(arms)), {}, {}, 1};
-  const world::Workcell& cell = problem.checker.cell();
-  result.certificate = collision::certify(problem.checker, result.motion, pairs_between_arms(cell),
+  const world::Workcell& cell = problem.cell();
+  result.certificate = collision::certify(problem.exact(), result.motion, pairs_between_arms(cell),
                                           scratch, kCertificate, stop);
   if (result.certificate.stopped) {
     return std::unexpected(stop.error("proving the schedule's motion"));

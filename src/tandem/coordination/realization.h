@@ -1,6 +1,8 @@
 #pragma once
 /// From a schedule to the motion that is executed.
 
+#include <optional>
+
 #include "tandem/coordination/coordinator.h"
 #include "tandem/coordination/interpolation.h"
 #include "tandem/motion/cell_motion.h"
@@ -31,8 +33,16 @@ struct RealizationOptions {
 /// @param schedule  from all starts to all ends, every edge proven.
 /// @return kCollision naming pair, time and depth, or the stop's error.
 Result<Realization> realize(const CoordinationProblem& problem, const Schedule& schedule,
-                            collision::CollisionChecker::Scratch& scratch,
+                            collision::BatchChecker::Scratch& scratch,
                             const StopCondition& stop = {}, const RealizationOptions& options = {});
+
+/// All arms at once, as long as the slowest takes alone: slowed down to that, or at planned speed
+/// with waits at their ends; whichever is proven free. No motion is shorter.
+/// @param problem  as above.
+/// @return nothing if neither is, or if it was stopped.
+std::optional<Realization> realize_at_once(const CoordinationProblem& problem,
+                                           collision::BatchChecker::Scratch& scratch,
+                                           const StopCondition& stop = {});
 
 /// A schedule interpolated as it is, and what that motion was found to do.
 struct Interpolated {

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <bit>
 #include <cstdio>
+#include <limits>
 
 #include "tandem/coordination/coordinator.h"
 #include "tandem/core/contract.h"
@@ -22,13 +24,27 @@ Schedule make_schedule(const std::vector<VectorXd>& places) {
   return schedule;
 }
 
+Result<void> Coordinator::explore(const CoordinationProblem& problem, std::uint64_t seed,
+                                  const StopCondition& stop, const Use& use) const {
+  const auto schedule = coordinate(problem, seed, stop);
+  if (!schedule) return std::unexpected(schedule.error());
+  use(*schedule);
+  return {};
+}
+
 Result<std::vector<Schedule>> Coordinator::alternatives(const CoordinationProblem& problem,
                                                         int most, std::uint64_t seed,
                                                         const StopCondition& stop) const {
   expects(most > 0, "at least one schedule is asked for");
-  auto schedule = coordinate(problem, seed, stop);
-  if (!schedule) return std::unexpected(schedule.error());
-  return std::vector{std::move(*schedule)};
+  std::vector<Schedule> schedules;
+  const auto explored = explore(problem, seed, stop, [&](const Schedule& schedule) {
+    if (static_cast<int>(schedules.size()) < most) schedules.push_back(schedule);
+    return static_cast<int>(schedules.size()) < most ? std::numeric_limits<double>::infinity()
+                                                     : 0.0;
+  });
+  if (!explored) return std::unexpected(explored.error());
+  std::ranges::stable_sort(schedules.begin() + 1, schedules.end(), {}, &Schedule::makespan);
+  return schedules;
 }
 
 VectorXd durations(const CoordinationProblem& problem) {
@@ -50,7 +66,7 @@ world::PairSelection pairs_between_arms(const world::Workcell& cell) {
 }
 
 void check_arms(const CoordinationProblem& problem) {
-  const auto& arms = problem.checker.cell().arms();
+  const auto& arms = problem.cell().arms();
   expects(problem.arms.size() == arms.size(), "there is one motion per arm of the cell");
   for (std::size_t i = 0; i < arms.size(); ++i) {
     expects(problem.arms[i].dof() == arms[i].dof(), "an arm's motion moves all its joints");
@@ -60,20 +76,32 @@ void check_arms(const CoordinationProblem& problem) {
 Result<void> check_problem(const CoordinationProblem& problem,
                            collision::CollisionChecker::Scratch& scratch) {
   check_arms(problem);
-  const world::Workcell& cell = problem.checker.cell();
+  const world::Workcell& cell = problem.cell();
   const world::PairSelection pairs = pairs_between_arms(cell);
   const VectorXd T = durations(problem);
   const PlacesEdge diagonal(problem.arms, VectorXd::Zero(T.size()), T);
   VectorXd q(cell.dof());
   for (const double t : {0.0, 1.0}) {
     diagonal.position(t, q);
-    if (problem.checker.is_free(q, pairs, scratch)) continue;
-    const auto nearest = problem.checker.least_clearance(q, pairs, scratch);
+    if (problem.exact().is_free(q, pairs, scratch)) continue;
+    const auto nearest = problem.exact().least_clearance(q, pairs, scratch);
     return fail(ErrorCode::kInfeasible,
                 std::string("with all arms at the ") + (t == 0 ? "start" : "goal") + " touch " +
                     describe(cell, nearest) + ": no coordination changes that");
   }
   return {};
+}
+
+Result<void> check_problem(const CoordinationProblem& problem,
+                           collision::BatchChecker::Scratch& scratch) {
+  check_arms(problem);
+  const VectorXd T = durations(problem);
+  const PlacesEdge diagonal(problem.arms, VectorXd::Zero(T.size()), T);
+  Eigen::MatrixXd ends(problem.cell().dof(), 2);
+  for (const int end : {0, 1}) diagonal.position(end, ends.col(end));
+  const auto pairs = problem.compiled.pairs(world::PairScope::several());
+  if (problem.compiled.batch().are_free(ends, *pairs, scratch)) return {};
+  return check_problem(problem, *problem.exact().make_scratch());
 }
 
 PlacesEdge::PlacesEdge(const std::vector<motion::PiecewiseCubic>& arms, VectorXd a, VectorXd b)
@@ -124,7 +152,7 @@ collision::Certificate certify_edge(const CoordinationProblem& problem, const Ve
                                     const VectorXd& b, const world::PairSelection& pairs,
                                     collision::CollisionChecker::Scratch& scratch,
                                     const StopCondition& stop) {
-  return collision::certify(problem.checker, PlacesEdge(problem.arms, a, b), pairs, scratch, {},
+  return collision::certify(problem.exact(), PlacesEdge(problem.arms, a, b), pairs, scratch, {},
                             stop);
 }
 
@@ -134,7 +162,7 @@ collision::Certificate certify_schedule(const CoordinationProblem& problem,
                                         const StopCondition& stop) {
   expects(!schedule.places.empty() && schedule.places.size() == schedule.times.size(),
           "a schedule has a time for each place");
-  const world::PairSelection pairs = pairs_between_arms(problem.checker.cell());
+  const world::PairSelection pairs = pairs_between_arms(problem.cell());
   collision::Certificate whole;
   whole.verdict = collision::Verdict::kFree;
   for (std::size_t k = 1; k < schedule.places.size(); ++k) {

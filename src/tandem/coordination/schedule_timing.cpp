@@ -6,8 +6,6 @@
 
 #include "tandem/coordination/interpolation.h"
 #include "tandem/core/contract.h"
-#include "tandem/math/bernstein.h"
-#include "tandem/trajectory/piece_derivatives.h"
 
 namespace tandem::coordination {
 
@@ -17,8 +15,7 @@ using motion::TimeMap;
 
 namespace {
 
-constexpr double kShortest = 2e-3;   ///< [s] of an interval: two control ticks.
-constexpr double kCloseness = 1e-3;  ///< To which peaks are found while intervals change.
+constexpr double kShortest = 2e-3;  ///< [s] of an interval: two control ticks.
 
 /// The times of places from the intervals between them.
 std::vector<double> summed(const VectorXd& intervals) {
@@ -63,6 +60,78 @@ TimeMap map_through(const std::vector<VectorXd>& places, Index arm,
   return *std::move(map);
 }
 
+/// How near its limits q(c(t)) comes on a segment of c: at even times, and where c passes knots of
+/// q, where accelerations peak.
+class PeakSampler {
+ public:
+  using Slowness = Eigen::Ref<const Eigen::ArrayXXd>;
+  PeakSampler(const motion::PiecewiseCubic& spline, const Slowness& slowness)
+      : spline_(spline), slowness_(slowness) {}
+
+  void sample(const TimeMap& map, int segment) {
+    constexpr int kSamples = 8;
+    most_[0] = most_[1] = most_[2] = 0;
+    const double t0 = map.knots()[static_cast<std::size_t>(segment)];
+    const double h = map.knots()[static_cast<std::size_t>(segment) + 1] - t0;
+    auto before = map.on_segment(segment, t0);
+    if (before[1] == 0 && before[2] == 0 && before[3] == 0) return;  // A wait.
+    look(before);
+    for (int n = 1; n <= kSamples; ++n) {
+      const double t = t0 + h * n / kSamples;
+      const auto now = map.on_segment(segment, t);
+      look_at_knots(map, segment, t, h / kSamples, before, now);
+      look(now);
+      before = now;
+    }
+  }
+  /// By which factor time must be longer.
+  double scale() const { return std::max({most_[0], std::sqrt(most_[1]), std::cbrt(most_[2])}); }
+
+ private:
+  void look(const TimeMap::Derivatives& c) {
+    if (c[0] < 0 || c[0] > spline_.duration()) return;  // Cut off: it waits.
+    look(c, spline_.segment_at(c[0]));
+  }
+  /// Between samples at t - h and t: c passes the knot about where the chord does.
+  void look_at_knots(const TimeMap& map, int segment, double t, double h,
+                     const TimeMap::Derivatives& before, const TimeMap::Derivatives& now) {
+    const auto& knots = spline_.knots();
+    const double low = std::min(before[0], now[0]), high = std::max(before[0], now[0]);
+    auto k = std::ranges::upper_bound(knots, low) - knots.begin();
+    for (; k < std::ssize(knots) && knots[static_cast<std::size_t>(k)] < high; ++k) {
+      const double knot = knots[static_cast<std::size_t>(k)];
+      double at = t - h * (now[0] - knot) / (now[0] - before[0]);
+      const auto near = map.on_segment(segment, at);
+      const double newton = at - (near[0] - knot) / near[1];
+      if (newton > t - h && newton < t) at = newton;
+      auto c = map.on_segment(segment, at);
+      c[0] = knot;
+      if (k > 0) look(c, static_cast<int>(k) - 1);
+      if (k + 1 < std::ssize(knots)) look(c, static_cast<int>(k));
+    }
+  }
+  /// By the chain rule.
+  void look(const TimeMap::Derivatives& c, int k) {
+    const auto at = static_cast<std::size_t>(k);
+    const auto& q = spline_.segments()[at];
+    const double s = c[0] - spline_.knots()[at];
+    const double cc = c[1] * c[1], c12 = 3 * c[1] * c[2], ccc = cc * c[1];
+    for (Index j = 0; j < q.rows(); ++j) {
+      const double q3 = 6 * q(j, 3), q2 = 2 * q(j, 2) + s * q3;
+      const double q1 = q(j, 1) + s * (2 * q(j, 2) + 0.5 * s * q3);
+      const double derivatives[] = {q1 * c[1], q2 * cc + q1 * c[2],
+                                    q3 * ccc + q2 * c12 + q1 * c[3]};
+      for (int order = 0; order < 3; ++order) {
+        most_[order] = std::max(most_[order], std::abs(derivatives[order]) * slowness_(j, order));
+      }
+    }
+  }
+
+  const motion::PiecewiseCubic& spline_;
+  const Slowness slowness_;
+  double most_[3] = {};  ///< Of velocities, accelerations and jerks, in parts of their limits.
+};
+
 }  // namespace
 
 ScheduleTiming::ScheduleTiming(const std::vector<ArmMotion>& arms,
@@ -71,6 +140,11 @@ ScheduleTiming::ScheduleTiming(const std::vector<ArmMotion>& arms,
   std::size_t joints = 0;
   for (const ArmMotion& arm : arms_) joints += static_cast<std::size_t>(arm.dof());
   expects(joints == limits_.size(), "one limit per joint is needed");
+  slowness_.resize(static_cast<Index>(joints), 3);
+  for (Index j = 0; j < slowness_.rows(); ++j) {
+    const robot::JointLimits& limit = limits_[static_cast<std::size_t>(j)];
+    slowness_.row(j) << 1 / limit.velocity, 1 / limit.acceleration, 1 / limit.jerk;
+  }
 }
 
 void ScheduleTiming::interpolate(const std::vector<VectorXd>& places, const VectorXd& intervals) {
@@ -84,32 +158,22 @@ void ScheduleTiming::interpolate(const std::vector<VectorXd>& places, const Vect
 }
 
 /// By interval, the factor by which it alone would have to be longer.
-VectorXd ScheduleTiming::local_scales() {
+VectorXd ScheduleTiming::local_scales(const std::vector<VectorXd>& places) const {
   VectorXd scales = VectorXd::Zero(static_cast<Index>(times_.size()) - 1);
-  std::size_t first = 0;
-  for (const ArmMotion& arm : moved_) {
+  Index first = 0;
+  for (std::size_t i = 0; i < arms_.size(); ++i) {
+    const TimeMap map = map_through(places, static_cast<Index>(i), times_);
+    const Index dof = arms_[i].dof();
+    PeakSampler sampler(arms_[i].spline(), slowness_.middleRows(first, dof));
     Index k = 0;
-    for (const ArmMotion::Piece& piece : arm.pieces()) {
-      const double middle = 0.5 * (piece.t0 + piece.t1);
+    for (std::size_t segment = 0; segment < map.segments().size(); ++segment) {
+      sampler.sample(map, static_cast<int>(segment));
+      // A wait may span several intervals; then nothing moves.
+      const double middle = 0.5 * (map.knots()[segment] + map.knots()[segment + 1]);
       while (k + 1 < scales.size() && times_[static_cast<std::size_t>(k) + 1] <= middle) ++k;
-      if (piece.spline < 0) continue;
-      const trajectory::PieceDerivatives derivatives(arm, piece);
-      // Only what exceeds the interval's worst so far is looked at closely.
-      double& scale = scales[k];
-      const auto widen = [&](int order, Index j, double limit, double worst) {
-        if (std::isinf(limit)) return worst;
-        return math::largest_magnitude(derivatives(order, j), worst * limit, kCloseness) / limit;
-      };
-      double velocity = scale, acceleration = scale * scale, jerk = acceleration * scale;
-      for (Index j = 0; j < arm.dof(); ++j) {
-        const robot::JointLimits& limit = limits_[first + static_cast<std::size_t>(j)];
-        velocity = widen(1, j, limit.velocity, velocity);
-        acceleration = widen(2, j, limit.acceleration, acceleration);
-        jerk = widen(3, j, limit.jerk, jerk);
-      }
-      scale = std::max({velocity, std::sqrt(acceleration), std::cbrt(jerk)});
+      scales[k] = std::max(scales[k], sampler.scale());
     }
-    first += static_cast<std::size_t>(arm.dof());
+    first += dof;
   }
   return scales;
 }
@@ -129,29 +193,31 @@ void ScheduleTiming::finish() {
   }
 }
 
-std::vector<TimeMap> ScheduleTiming::fit(const std::vector<VectorXd>& places, VectorXd intervals) {
+ScheduleTiming::Guess ScheduleTiming::guess(const std::vector<VectorXd>& places,
+                                            VectorXd intervals) {
   expects(places.size() >= 2 && intervals.size() + 1 == static_cast<Index>(places.size()),
           "a schedule of N places has N - 1 intervals");
   constexpr int kRounds = 10;
   constexpr double kEven = 0.005;
   constexpr double kMost = 2;  ///< Of what an interval changes by in a round.
-  VectorXd best = intervals.cwiseMax(kShortest);
-  double least = std::numeric_limits<double>::infinity();
-  intervals = best;
+  intervals = intervals.cwiseMax(kShortest);
+  Guess best{intervals};
   for (int round = 0; round <= kRounds; ++round) {
-    interpolate(places, intervals);
-    const VectorXd scales = local_scales();
+    times_ = summed(intervals);
+    const VectorXd scales = local_scales(places);
     const double makespan = intervals.sum() * scales.maxCoeff();
-    if (makespan < least) {
-      least = makespan;
-      best = intervals;
-    }
+    if (makespan < best.makespan) best = {intervals, makespan};
     // Where every interval is as near its limits as any other, another round gains nothing.
     if (scales.minCoeff() > (1 - kEven) * scales.maxCoeff()) break;
     intervals.array() *= scales.array().sqrt().max(1 / kMost).min(kMost);
     intervals = intervals.cwiseMax(kShortest);
   }
-  interpolate(places, best);
+  return best;
+}
+
+std::vector<TimeMap> ScheduleTiming::fit(const std::vector<VectorXd>& places,
+                                         const VectorXd& intervals) {
+  interpolate(places, intervals);
   finish();
   std::vector<TimeMap> maps;
   for (const ArmMotion& arm : moved_) maps.push_back(*arm.map());

@@ -2,6 +2,7 @@
 /// Real times for the places of a schedule, so that the arms' limits hold. Internal to
 /// coordination/.
 
+#include <limits>
 #include <vector>
 
 #include "tandem/motion/cell_motion.h"
@@ -23,12 +24,18 @@ class ScheduleTiming {
   ScheduleTiming(const std::vector<motion::ArmMotion>& arms,
                  const std::vector<robot::JointLimits>& limits);
 
+  /// Intervals, and how long maps at those become once they are stretched to the limits, about [s].
+  struct Guess {
+    Eigen::VectorXd intervals;
+    double makespan = std::numeric_limits<double>::infinity();
+  };
+  /// Intervals as short as stretching and shrinking each by itself makes them; by samples.
   /// @param places  two or more, neighbours differ.   @param intervals  one less, > 0 [s].
-  /// @return maps through the places at intervals as short as stretching and shrinking each by
-  /// itself makes them, and velocity, acceleration and jerk within all limits as limit_check sees
-  /// them.
+  Guess guess(const std::vector<Eigen::VectorXd>& places, Eigen::VectorXd intervals);
+  /// Maps through the places at such intervals, all stretched alike so that velocity, acceleration
+  /// and jerk are within all limits as limit_check sees them, and no slower.
   std::vector<motion::TimeMap> fit(const std::vector<Eigen::VectorXd>& places,
-                                   Eigen::VectorXd intervals);
+                                   const Eigen::VectorXd& intervals);
 
   /// Rest to rest along every edge, so that the arms follow the polyline exactly.
   std::vector<motion::TimeMap> stop_and_go(const std::vector<Eigen::VectorXd>& places);
@@ -38,11 +45,12 @@ class ScheduleTiming {
 
  private:
   void interpolate(const std::vector<Eigen::VectorXd>& places, const Eigen::VectorXd& intervals);
-  Eigen::VectorXd local_scales();
+  Eigen::VectorXd local_scales(const std::vector<Eigen::VectorXd>& places) const;
   void finish();
 
   const std::vector<motion::ArmMotion>& arms_;
   std::vector<robot::JointLimits> limits_;
+  Eigen::ArrayXXd slowness_;  ///< By joint: 1 / velocity, acceleration and jerk limit; 0 if none.
   std::vector<motion::ArmMotion> moved_;  ///< Along the maps of the last interpolation.
   std::vector<double> times_;
 };

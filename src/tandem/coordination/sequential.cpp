@@ -13,11 +13,11 @@ class SequentialCoordinator final : public Coordinator {
  public:
   Result<Schedule> coordinate(const CoordinationProblem& problem, std::uint64_t /*seed*/,
                               const StopCondition& stop) const override {
-    const auto scratch = problem.checker.make_scratch();
+    const auto scratch = problem.exact().make_scratch();
     if (const auto ends = check_problem(problem, *scratch); !ends) {
       return std::unexpected(ends.error());
     }
-    const world::Workcell& cell = problem.checker.cell();
+    const world::Workcell& cell = problem.cell();
     const world::PairSelection pairs = pairs_between_arms(cell);
     const VectorXd T = durations(problem);
     std::vector<Index> order(problem.arms.size());

@@ -49,7 +49,7 @@ void Track::box(double t0, double t1, VectorXd& center, VectorXd& D) const {
   }
   for (std::size_t i = 0; i < arms_.size(); ++i) {
     const auto arm = static_cast<std::size_t>(arms_[i]);
-    const world::Arm& of = problem_.checker.cell().arms()[arm];
+    const world::Arm& of = problem_.cell().arms()[arm];
     const auto k = static_cast<Index>(i);
     const motion::PiecewiseCubic& motion = problem_.arms[arm];
     motion.position(0.5 * (low[k] + high[k]), center.segment(of.offset, of.dof()));

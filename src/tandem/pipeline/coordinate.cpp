@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <limits>
 #include <optional>
 
 #include "tandem/coordination/diagram_coordinator.h"
@@ -41,12 +42,12 @@ std::string touching(const world::Workcell& cell, const collision::Certificate& 
 /// is at rest, so it is as smooth as it was, and it is as long as its motions
 /// are.
 Result<CellMotion> one_after_the_other(const CoordinationProblem& problem,
-                                       collision::CollisionChecker::Scratch& scratch,
                                        const StopCondition& stop, PlanReport& report) {
+  const auto scratch = problem.exact().make_scratch();
   const auto schedule = coordination::make_sequential_coordinator()->coordinate(problem, 0, stop);
   if (!schedule) return std::unexpected(schedule.error());
   auto made = coordination::interpolate_unrepaired(problem, *schedule, Interpolation::kLinear,
-                                                   scratch, stop);
+                                                   *scratch, stop);
   if (!made) return std::unexpected(made.error());
   if (!made->certificate.is_free() || !made->violations.empty()) {
     return fail(ErrorCode::kCollision, "the arms come too close for a proof one after the other");
@@ -59,25 +60,32 @@ Result<CellMotion> one_after_the_other(const CoordinationProblem& problem,
 /// The quickest motion along the shortest ways through the diagram.
 Result<CellMotion> coordinate_by_diagram(const CoordinationProblem& problem, std::uint64_t seed,
                                          const StopCondition& stop, PlanReport& report) {
-  const auto schedules =
-      coordination::make_diagram_coordinator()->alternatives(problem, kAlternatives, seed, stop);
-  if (!schedules) return std::unexpected(schedules.error());
-  const auto scratch = problem.checker.make_scratch();
+  const auto scratch = problem.compiled.batch().make_scratch();
+  if (auto made = coordination::realize_at_once(problem, *scratch, stop)) {
+    report.counts.certificate_evaluations += made->evaluations;
+    report.least_clearance = made->least_clearance;
+    return std::move(made->motion);
+  }
   std::optional<Realization> best;
   Error last{ErrorCode::kCoordination, ""};
-  for (const coordination::Schedule& schedule : *schedules) {
-    // A schedule is as long as the motion along it at least.
+  int tried = 0;
+  const auto use = [&](const coordination::Schedule& schedule) {
     auto made = coordination::realize(problem, schedule, *scratch, stop);
-    if (stop()) return std::unexpected(stop.error("coordinating the arms"));
-    if (!made) {
+    if (made) {
+      report.counts.certificate_evaluations += made->evaluations;
+      if (!best || made->motion.duration() < best->motion.duration()) best = std::move(*made);
+    } else {
       last = made.error();
-      continue;
     }
-    report.counts.certificate_evaluations += made->evaluations;
-    if (!best || made->motion.duration() < best->motion.duration()) best = std::move(*made);
-  }
+    // A schedule is about as long as the motion along it at least.
+    if (++tried == kAlternatives) return 0.0;
+    return best ? best->motion.duration() : std::numeric_limits<double>::infinity();
+  };
+  const auto explored = coordination::make_diagram_coordinator()->explore(problem, seed, stop, use);
+  if (!explored) return std::unexpected(explored.error());
+  if (stop()) return std::unexpected(stop.error("coordinating the arms"));
   if (!best || best->motion.duration() > coordination::durations(problem).sum()) {
-    auto motion = one_after_the_other(problem, *scratch, stop, report);
+    auto motion = one_after_the_other(problem, stop, report);
     if (motion || stop()) return motion;
   }
   if (!best) return std::unexpected(last);
@@ -92,7 +100,7 @@ Result<CellMotion> coordinate_by_diagram(const CoordinationProblem& problem, std
 /// would break.
 Result<CellMotion> accepted(const CoordinationProblem& problem, Interpolated made,
                             PlanReport& report) {
-  const world::Workcell& cell = problem.checker.cell();
+  const world::Workcell& cell = problem.cell();
   if (!made.certificate.is_free()) {
     return fail(ErrorCode::kCollision,
                 "the coordinated motion: " + touching(cell, made.certificate) +
@@ -130,7 +138,7 @@ Result<CellMotion> coordinate_as_the_paper(const CoordinationProblem& problem,
     if (error.code != ErrorCode::kTimeout) return std::unexpected(error);
     return fail(ErrorCode::kCoordination, error.message);
   }
-  const auto scratch = problem.checker.make_scratch();
+  const auto scratch = problem.exact().make_scratch();
   auto made = coordination::interpolate_unrepaired(problem, *schedule, options.interpolation,
                                                    *scratch, stop);
   if (!made) return std::unexpected(made.error());
@@ -143,7 +151,7 @@ Result<CellMotion> coordinate(const collision::CompiledCell& compiled,
                               std::vector<PiecewiseCubic> arms, const PlanOptions& options,
                               const StopCondition& stop, PlanReport& report) {
   ModuleTimer timer(report.times.coordination);
-  const CoordinationProblem problem{compiled.exact(), std::move(arms)};
+  const CoordinationProblem problem{compiled, std::move(arms)};
   return options.preset == Preset::kPaper
              ? coordinate_as_the_paper(problem, options, stop, report)
              : coordinate_by_diagram(problem, options.seed, stop, report);

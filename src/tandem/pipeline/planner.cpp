@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <mutex>
 
+#include "tandem/coordination/diagram_coordinator.h"
 #include "tandem/core/contract.h"
 #include "tandem/pipeline/centralized.h"
 #include "tandem/pipeline/decoupled.h"
@@ -97,6 +98,7 @@ void Planner::prepare(const std::shared_ptr<const Workcell>& cell,
   for (std::size_t i = 0; i < whole->cell().arms().size(); ++i) {
     prepare_modules(options.preset, whole->alone(static_cast<int>(i)));
   }
+  if (options.preset == Preset::kDefault) coordination::prepare_coordination(*whole);
 }
 
 Result<ResolvedQuery> Planner::resolve(const world::Query& query, std::uint64_t seed,

@@ -5,6 +5,7 @@
 
 #include "tandem/core/contract.h"
 #include "tandem/core/rng.h"
+#include "tandem/planning/arm_validity.h"
 #include "tandem/planning/measured_path.h"
 #include "tandem/planning/simplifier.h"
 
@@ -14,29 +15,6 @@ using Eigen::Index, Eigen::VectorXd;
 using motion::JointPath;
 
 namespace {
-
-/// One arm's part of a question about all.
-class ArmValidity final : public Validity {
- public:
-  ArmValidity(const ArmQuestions::Arm& arm, const VectorXd& others)
-      : arm_(arm), from_(others), to_(others) {}
-
-  bool state(const VectorXd& q) override {
-    from_.segment(arm_.offset, arm_.dof) = q;
-    return arm_.alone->state(from_);
-  }
-  bool edge(const VectorXd& a, const VectorXd& b) override {
-    from_.segment(arm_.offset, arm_.dof) = a;
-    to_.segment(arm_.offset, arm_.dof) = b;
-    return arm_.alone->edge(from_, to_);
-  }
-  bool holds_in_part() const override { return arm_.alone->holds_in_part(); }
-  const ValidityStats& stats() const override { return arm_.alone->stats(); }
-
- private:
-  const ArmQuestions::Arm& arm_;
-  VectorXd from_, to_;
-};
 
 /// The paths of all arms, and motions along them: places are one fraction per arm.
 class Coordination final : public Validity {
