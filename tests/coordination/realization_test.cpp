@@ -234,6 +234,31 @@ TEST(RealizeAtOnce, IsNothingWhereTheArmsMeet) {
   EXPECT_FALSE(run_at_once(apart, StopCondition::after(0)));
 }
 
+TEST(RealizeInSequence, TakesTheSumOfTheDurationsInAnOrderThatIsFree) {
+  // "b" is in the way of the other two at its start, "c" of "a" at its end.
+  const auto c = timed_case({{{-1, 0}, {1, 0}}, {{0.3, 0}, {0.3, 1}}, {{0, 0.6}, {0, 0.1}}});
+  const VectorXd T = durations(c.problem());
+  const auto done = realize_in_sequence(c.problem(), *c.compiled->batch().make_scratch());
+  ASSERT_TRUE(done);
+  expect_good(c, *done);
+  EXPECT_NEAR(done->motion.duration(), T.sum(), 1e-12);
+  const auto runs = [&](std::size_t arm) {  // From when to when.
+    const auto& knots = done->motion.arms()[arm].map()->knots();
+    return std::pair(arm == 1 ? 0.0 : knots[1], arm == 1 ? knots[1] : knots[2]);
+  };
+  EXPECT_LE(runs(1).second, runs(0).first + 1e-12);
+  EXPECT_LE(runs(0).second, runs(2).first + 1e-12);
+}
+
+TEST(RealizeInSequence, IsNothingWhereNoOrderIsFree) {
+  const auto head_on = timed_case({{{-1, 0}, {1, 0}}, {{1, 0}, {-1, 0}}});
+  EXPECT_FALSE(realize_in_sequence(head_on.problem(), *head_on.compiled->batch().make_scratch()));
+  const auto c = crossing();
+  const auto scratch = c.compiled->batch().make_scratch();
+  EXPECT_TRUE(realize_in_sequence(c.problem(), *scratch));
+  EXPECT_FALSE(realize_in_sequence(c.problem(), *scratch, StopCondition::after(0)));
+}
+
 /// The paper's figure: linear breaks the velocity, cubic and quintic keep C2, all are zero-clamped.
 TEST(InterpolateUnrepaired, KeepsTheContinuityThatThePaperSays) {
   const auto c = timed_case({{{-1, 0}, {0, 0.5}, {1, 0}}, {{-1, 2}, {0, 2.5}, {1, 2}}});

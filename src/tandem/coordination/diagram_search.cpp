@@ -28,9 +28,8 @@ class WaySearch {
   bool is_straight();
   void try_sequences();
   bool narrow();
-  void take_proven(const Raster& raster);
-  bool divide_between(const Raster& raster, const std::vector<int>& from_start, Passage passage,
-                      double most);
+  void take_proven(const Raster& raster, const std::vector<int>& from_start);
+  bool divide_in(const Corridor& corridor);
   void polish(DiagramWay& way);
   bool divide_at_bends(const DiagramWay& way);
 
@@ -40,8 +39,9 @@ class WaySearch {
   const StopCondition& stop_;
   TautWay taut_;
   SearchResult result_;
-  double unit_ = 0;  // [s] The shorter one.
-  int size_ = 1;     // Of what is open at most.
+  double unit_ = 0;    // [s] The shorter one.
+  int size_ = 1;       // Of what is open at most.
+  Corridor corridor_;  // In which shorter ways may be.
 };
 
 bool WaySearch::is_straight() {
@@ -54,55 +54,56 @@ bool WaySearch::is_straight() {
 }
 
 /// Takes the shortest way over proven squares, if it is shorter than what is known.
-void WaySearch::take_proven(const Raster& raster) {
-  const auto left = raster.steps(Passage::kProven, false, options_.monotone);
+/// @param from_start  steps over likely squares, which proven ones are.
+void WaySearch::take_proven(const Raster& raster, const std::vector<int>& from_start) {
+  Raster::Bound bound{.other_way = &from_start};
+  if (result_.way) bound.most = result_.way->length * (1 + options_.gap) / (size_ * unit_);
+  const auto left = raster.steps(Passage::kProven, false, options_.monotone, bound);
   if (left.front() < 0) return;
-  if (result_.way && left.front() * unit_ > result_.way->length * (1 + options_.gap)) return;
   std::vector<GridPoint> points;
   for (const int node : raster.descend(left, Passage::kProven, options_.monotone)) {
     points.push_back(raster.point(node));
   }
   auto way = taut_.pull_steps(points, raster.size());
-  polish(way);
   if (!result_.way || way.length < result_.way->length) result_.way = std::move(way);
 }
 
-/// Divides the open cells on ways of this kind of up to `most` steps.
+/// Divides open cells in a corridor.
 /// @return false if it was stopped.
-bool WaySearch::divide_between(const Raster& raster, const std::vector<int>& from_start,
-                               Passage passage, double most) {
-  const auto to_goal = raster.steps(passage, false, options_.monotone);
-  const auto is_between = [&](const CoordinationDiagram::Cell& c) {
-    const int last_column = (c.x1 - 1) / size_ + 1, last_row = (c.y1 - 1) / size_ + 1;
-    for (int row = c.y0 / size_; row <= last_row; ++row) {
-      for (int column = c.x0 / size_; column <= last_column; ++column) {
-        const auto node = static_cast<std::size_t>(raster.node(column, row));
-        if (from_start[node] >= 0 && to_goal[node] >= 0 &&
-            from_start[node] + to_goal[node] <= most) {
+bool WaySearch::divide_in(const Corridor& corridor) {
+  const auto is_in = [&](const CoordinationDiagram::Cell& c) {
+    const int last_column = (c.x1 - 1) / corridor.size, last_row = (c.y1 - 1) / corridor.size;
+    for (int row = c.y0 / corridor.size; row <= last_row; ++row) {
+      for (int column = c.x0 / corridor.size; column <= last_column; ++column) {
+        if (corridor.squares[static_cast<std::size_t>(row * corridor.columns + column)])
           return true;
-        }
       }
     }
     return false;
   };
   const int count = static_cast<int>(diagram_.cells().size());
-  std::vector<int> between;
+  const int size = std::max(1, corridor.size / 2);
+  std::vector<int> inside;
   for (int leaf = 0; leaf < count; ++leaf) {
-    if (!diagram_.at(leaf).is_leaf() || !diagram_.is_divisible(leaf, size_ / 2)) continue;
-    if (is_between(diagram_.at(leaf))) between.push_back(leaf);
+    if (!diagram_.at(leaf).is_leaf() || !diagram_.is_divisible(leaf, size)) continue;
+    if (is_in(diagram_.at(leaf))) inside.push_back(leaf);
   }
-  return diagram_.resolve(size_ / 2, stop_, std::move(between));
+  return diagram_.resolve(size, stop_, std::move(inside));
 }
 
 /// Looks at the present size, and halves it where that may pay.
 /// @return whether there is more to find.
 bool WaySearch::narrow() {
-  const Raster raster(diagram_, size_, barriers_);
-  take_proven(raster);
-  Passage passage = Passage::kLikely;
-  auto from_start = raster.steps(passage, true, options_.monotone);
+  constexpr double kSlack = 0.03;  // While no way is known, about as long ones are looked at too.
+  const Raster raster(diagram_, size_, barriers_, corridor_);
   const double step = size_ * unit_;  // [s]
-  double most = std::numeric_limits<double>::infinity();
+  Passage passage = Passage::kLikely;
+  auto from_start = raster.steps(passage, true, options_.monotone,
+                                 {result_.way ? result_.way->length * (1 + options_.gap) / step
+                                              : std::numeric_limits<double>::infinity(),
+                                  nullptr});
+  if (from_start.back() >= 0) take_proven(raster, from_start);
+  double most = 0;  // [steps]
   if (result_.way) {
     if (from_start.back() < 0) return false;
     const double target = result_.way->length * (1 - options_.gap);
@@ -110,16 +111,23 @@ bool WaySearch::narrow() {
     most = target / step + 1;
   } else if (from_start.back() >= 0) {
     if ((from_start.back() - 1) * step >= options_.longest) return false;
-    most = from_start.back() * (1 + options_.gap) + 1;
+    most = from_start.back() * (1 + kSlack) + 1;
   } else {
     passage = Passage::kPossible;
     from_start = raster.steps(passage, true, options_.monotone);
     result_.is_separated = from_start.back() < 0;
     if (result_.is_separated) return false;
+    most = from_start.back() + 1;
   }
-  if (size_ == 1) return false;
-  result_.is_stopped = !divide_between(raster, from_start, passage, most);
+  auto corridor = raster.corridor(
+      from_start, raster.steps(passage, false, options_.monotone, {most, &from_start}), most);
+  const std::size_t before = diagram_.cells().size();
+  result_.is_stopped = !divide_in(corridor);
   if (result_.is_stopped) return false;
+  // Until there is a way the shortest ones that there may be come first.
+  if (!result_.way && diagram_.cells().size() > before) return true;
+  if (size_ == 1) return false;
+  corridor_ = result_.way ? std::move(corridor) : Corridor{};
   size_ /= 2;
   return true;
 }
@@ -181,6 +189,7 @@ SearchResult WaySearch::run() {
   if (!diagram_.resolve(size_, stop_)) return {{}, false, true};
   while (narrow()) {
   }
+  if (result_.way) polish(*result_.way);
   try_sequences();
   return result_;
 }

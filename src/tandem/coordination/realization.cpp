@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <numeric>
 
 #include "tandem/collision/batch_certificate.h"
 #include "tandem/coordination/schedule_timing.h"
@@ -251,34 +252,89 @@ Result<Realization> realize(const CoordinationProblem& problem, const Schedule& 
   return finished(attempt, timed.line.places.size() - without_repair, true);
 }
 
+namespace {
+
+/// Arms that run evenly once, at most as fast as planned, and wait before and after: within their
+/// limits as they are.
+class PlainMotions {
+ public:
+  PlainMotions(const CoordinationProblem& problem, collision::BatchChecker::Scratch& scratch,
+               const StopCondition& stop)
+      : problem_(problem),
+        pairs_(problem.compiled.pairs(world::PairScope::several())),
+        scratch_(scratch),
+        stop_(stop) {}
+
+  /// @param begins, ends  of each arm's run; at least its duration apart [s].
+  std::optional<Realization> prove(const VectorXd& begins, const VectorXd& ends) {
+    const double all = ends.maxCoeff();
+    std::vector<ArmMotion> arms;
+    for (std::size_t i = 0; i < problem_.arms.size(); ++i) {
+      const auto k = static_cast<Index>(i);
+      const ArmMotion arm(problem_.arms[i]);
+      const double own = arm.duration(), begin = begins[k], end = ends[k];
+      std::vector<double> knots{0};
+      std::vector<TimeMap::Segment> segments;
+      if (begin > 0) {
+        knots.push_back(begin);
+        segments.push_back({0});
+      }
+      knots.push_back(end);
+      segments.push_back({0, own / (end - begin)});
+      if (end < all) {
+        knots.push_back(all);
+        segments.push_back({own});
+      }
+      arms.push_back(own == all ? arm : *arm.along(*TimeMap::make(knots, segments)));
+    }
+    CellMotion motion(std::move(arms));
+    const std::vector<double> times{0, motion.duration()};
+    const collision::Certificate proof = collision::certify_parts(
+        problem_.compiled.batch(), *pairs_, motion, times, scratch_, kCertificate, stop_)[0];
+    evaluations_ += proof.evaluations;
+    if (!proof.is_free()) return std::nullopt;
+    return Realization{std::move(motion), proof.least_clearance, 0, false, evaluations_};
+  }
+
+ private:
+  const CoordinationProblem& problem_;
+  const collision::BatchChecker::Pairs pairs_;
+  collision::BatchChecker::Scratch& scratch_;
+  const StopCondition& stop_;
+  long evaluations_ = 0;
+};
+
+}  // namespace
+
 std::optional<Realization> realize_at_once(const CoordinationProblem& problem,
                                            collision::BatchChecker::Scratch& scratch,
                                            const StopCondition& stop) {
   check_arms(problem);
+  const VectorXd T = durations(problem), zero = VectorXd::Zero(T.size());
+  PlainMotions plain(problem, scratch, stop);
+  auto made = plain.prove(zero, VectorXd::Constant(T.size(), T.maxCoeff()));
+  if (made || stop() || T.minCoeff() == T.maxCoeff()) return made;
+  return plain.prove(zero, T);
+}
+
+std::optional<Realization> realize_in_sequence(const CoordinationProblem& problem,
+                                               collision::BatchChecker::Scratch& scratch,
+                                               const StopCondition& stop) {
+  check_arms(problem);
   const VectorXd T = durations(problem);
-  const double longest = T.maxCoeff();
-  const std::vector<double> times{0, longest};
-  const auto pairs = problem.compiled.pairs(world::PairScope::several());
-  long evaluations = 0;
-  for (const bool slowed : {true, false}) {
-    std::vector<ArmMotion> arms;
-    for (std::size_t i = 0; i < problem.arms.size(); ++i) {
-      const double own = T[static_cast<Index>(i)];
-      ArmMotion arm(problem.arms[i]);
-      if (own < longest) {
-        arm = *arm.along(slowed ? *TimeMap::make({0, longest}, {{0, own / longest}})
-                                : *TimeMap::make({0, own, longest}, {{{0, 1}, {own}}}));
-      }
-      arms.push_back(std::move(arm));
+  PlainMotions plain(problem, scratch, stop);
+  constexpr int kMostOrders = 120;  // All of five arms.
+  std::vector<Index> order(problem.arms.size());
+  std::iota(order.begin(), order.end(), 0);
+  for (int tries = 0; tries < kMostOrders && !stop(); ++tries) {
+    VectorXd begins(T.size()), ends(T.size());
+    double now = 0;
+    for (const Index arm : order) {
+      begins[arm] = now;
+      ends[arm] = now += T[arm];
     }
-    CellMotion motion(std::move(arms));
-    const collision::Certificate proof = collision::certify_parts(
-        problem.compiled.batch(), *pairs, motion, times, scratch, kCertificate, stop)[0];
-    evaluations += proof.evaluations;
-    if (proof.is_free()) {
-      return Realization{std::move(motion), proof.least_clearance, 0, false, evaluations};
-    }
-    if (proof.stopped || longest == T.minCoeff()) break;
+    if (auto made = plain.prove(begins, ends)) return made;
+    if (!std::ranges::next_permutation(order).found) break;
   }
   return std::nullopt;
 }

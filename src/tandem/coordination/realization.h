@@ -44,6 +44,13 @@ std::optional<Realization> realize_at_once(const CoordinationProblem& problem,
                                            collision::BatchChecker::Scratch& scratch,
                                            const StopCondition& stop = {});
 
+/// One arm after the other at planned speed, in the first order that is proven free, of 120 at
+/// most.
+/// @return nothing if none is, or if it was stopped.
+std::optional<Realization> realize_in_sequence(const CoordinationProblem& problem,
+                                               collision::BatchChecker::Scratch& scratch,
+                                               const StopCondition& stop = {});
+
 /// A schedule interpolated as it is, and what that motion was found to do.
 struct Interpolated {
   motion::CellMotion motion;

@@ -8,7 +8,6 @@
 #include "tandem/coordination/diagram_coordinator.h"
 #include "tandem/coordination/path_coordinator.h"
 #include "tandem/coordination/realization.h"
-#include "tandem/coordination/sequential.h"
 #include "tandem/pipeline/modules.h"
 #include "tandem/planning/ompl/ompl_planning.h"
 
@@ -25,6 +24,8 @@ namespace {
 
 /// Ways around what blocks that are made motions, to take the quickest.
 constexpr int kAlternatives = 3;
+/// Of diagrams [s]: where arms have less time to pass each other they do not.
+constexpr double kFinest = 0.008;
 
 /// Two arms that come together in the coordinated motion.
 std::string touching(const world::Workcell& cell, const collision::Certificate& certificate) {
@@ -38,34 +39,16 @@ std::string touching(const world::Workcell& cell, const collision::Certificate& 
   return cell.describe_pair(certificate.pair) + text;
 }
 
-/// Every arm as planned while the others stand. At both ends of its motion it
-/// is at rest, so it is as smooth as it was, and it is as long as its motions
-/// are.
-Result<CellMotion> one_after_the_other(const CoordinationProblem& problem,
-                                       const StopCondition& stop, PlanReport& report) {
-  const auto scratch = problem.exact().make_scratch();
-  const auto schedule = coordination::make_sequential_coordinator()->coordinate(problem, 0, stop);
-  if (!schedule) return std::unexpected(schedule.error());
-  auto made = coordination::interpolate_unrepaired(problem, *schedule, Interpolation::kLinear,
-                                                   *scratch, stop);
-  if (!made) return std::unexpected(made.error());
-  if (!made->certificate.is_free() || !made->violations.empty()) {
-    return fail(ErrorCode::kCollision, "the arms come too close for a proof one after the other");
-  }
-  ++report.rungs["one_after_the_other"];
-  report.least_clearance = made->certificate.least_clearance;
-  return std::move(made->motion);
-}
-
 /// The quickest motion along the shortest ways through the diagram.
 Result<CellMotion> coordinate_by_diagram(const CoordinationProblem& problem, std::uint64_t seed,
                                          const StopCondition& stop, PlanReport& report) {
   const auto scratch = problem.compiled.batch().make_scratch();
-  if (auto made = coordination::realize_at_once(problem, *scratch, stop)) {
-    report.counts.certificate_evaluations += made->evaluations;
-    report.least_clearance = made->least_clearance;
-    return std::move(made->motion);
-  }
+  const auto plain = [&](Realization made) {
+    report.counts.certificate_evaluations += made.evaluations;
+    report.least_clearance = made.least_clearance;
+    return std::move(made.motion);
+  };
+  if (auto made = coordination::realize_at_once(problem, *scratch, stop)) return plain(*made);
   std::optional<Realization> best;
   Error last{ErrorCode::kCoordination, ""};
   int tried = 0;
@@ -81,13 +64,19 @@ Result<CellMotion> coordinate_by_diagram(const CoordinationProblem& problem, std
     if (++tried == kAlternatives) return 0.0;
     return best ? best->motion.duration() : std::numeric_limits<double>::infinity();
   };
-  const auto explored = coordination::make_diagram_coordinator()->explore(problem, seed, stop, use);
-  if (!explored) return std::unexpected(explored.error());
+  const auto coordinator = coordination::make_diagram_coordinator({.diagram = {.finest = kFinest}});
+  const auto explored = coordinator->explore(problem, seed, stop, use);
   if (stop()) return std::unexpected(stop.error("coordinating the arms"));
-  if (!best || best->motion.duration() > coordination::durations(problem).sum()) {
-    auto motion = one_after_the_other(problem, stop, report);
-    if (motion || stop()) return motion;
+  if (!explored && explored.error().code != ErrorCode::kCoordination) {
+    return std::unexpected(explored.error());
   }
+  if (!best || best->motion.duration() > coordination::durations(problem).sum()) {
+    if (auto made = coordination::realize_in_sequence(problem, *scratch, stop)) {
+      ++report.rungs["one_after_the_other"];
+      return plain(*made);
+    }
+  }
+  if (!explored) return std::unexpected(explored.error());
   if (!best) return std::unexpected(last);
   report.counts.repairs += best->repairs;
   if (best->repairs > 0) ++report.rungs["coordination_repair"];
