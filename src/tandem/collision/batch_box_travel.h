@@ -119,11 +119,10 @@ class BoxTravels {
   HWY_NOINLINE V OfCore(int shape, int common) {
     const BatchShape& compiled = model_.shapes[static_cast<std::size_t>(shape)];
     if (compiled.joint == common) return hn::Zero(kFloats);
-    const LaneRow* rows = placement_.Shape(shape);
-    const V3 center = Load3(rows);
+    const V3 center = placement_.CenterOf(shape);
     if (compiled.core == BatchCore::kPoint) return OfPoint(center, compiled.joint, common);
     if (compiled.core == BatchCore::kSegment) {
-      const V3 u = Load3(rows + 3);
+      const V3 u = placement_.HalfVectorOf(shape);
       return hn::Max(OfPoint(center + u, compiled.joint, common),
                      OfPoint(center - u, compiled.joint, common));
     }

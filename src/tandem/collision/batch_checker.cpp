@@ -19,18 +19,6 @@ constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
 /// Half the longest edge that single precision is up to [rad or m]; longer ones are rare.
 constexpr double kLongestHalf = 4.0;
 
-/// The axes of a standing shape or the half vector of a segment, the same in every lane.
-void place_standing(const BatchShape& shape, LaneRow* rows) {
-  const auto fill = [&](std::size_t first, const float* v, float scale) {
-    for (std::size_t i = 0; i < 3; ++i) std::ranges::fill(rows[first + i].lane, scale * v[i]);
-  };
-  fill(0, shape.p_JC.data(), 1);
-  const bool segment = shape.core == BatchCore::kSegment;
-  for (std::size_t axis = 0; axis < (segment ? 1 : 3); ++axis) {
-    fill(3 + 3 * axis, &shape.R_BJ[3 * axis], segment ? shape.half[0] : 1);
-  }
-}
-
 }  // namespace
 
 BatchChecker::Scratch::Scratch(const BatchChecker& checker)
@@ -41,12 +29,8 @@ BatchChecker::Scratch::Scratch(const BatchChecker& checker)
   group_centers.resize(3 * joints);
   body_centers.resize(3 * model.bodies.size());
   body_time.resize(model.bodies.size());
-  placed_shapes.resize(12 * model.shapes.size());
-  for (const BatchShape& shape : model.shapes) {
-    const bool standing = shape.joint < 0;
-    if (standing) place_standing(shape, &placed_shapes[12 * shape_time.size()]);
-    shape_time.push_back(standing ? kAlways : 0);
-  }
+  placed_shapes.resize(12 * index(model.moving_shapes));
+  shape_time.resize(index(model.moving_shapes));
   value_middle.resize(joints);
   value_half.resize(joints);
   deviation.resize(joints);

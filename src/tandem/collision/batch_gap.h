@@ -167,7 +167,7 @@ class Gaps {
   const BatchShape& ShapeAt(int shape) const {
     return model_.shapes[static_cast<std::size_t>(shape)];
   }
-  HWY_INLINE V3 Center(int shape) { return Load3(placement_.Shape(shape)); }
+  HWY_INLINE V3 Center(int shape) { return placement_.CenterOf(shape); }
 
   /// Of a point in C to a core, or to the box around an opaque one.
   HWY_INLINE V PointTo(const V3& p, int b) {
@@ -258,8 +258,8 @@ class Gaps {
 
   HWY_INLINE V3 DirectionInBox(const V3& v, int shape) {
     if (ShapeAt(shape).aligned) return v;
-    const LaneRow* rows = placement_.Shape(shape);
-    return {Dot(Load3(rows + 3), v), Dot(Load3(rows + 6), v), Dot(Load3(rows + 9), v)};
+    return {Dot(placement_.AxisOf(shape, 0), v), Dot(placement_.AxisOf(shape, 1), v),
+            Dot(placement_.AxisOf(shape, 2), v)};
   }
   HWY_INLINE V3 PointInBox(const V3& p, int shape) {
     const BatchShape& box = ShapeAt(shape);
@@ -267,11 +267,11 @@ class Gaps {
     return DirectionInBox(p - Center(shape), shape);
   }
   HWY_INLINE Box BoxOf(int shape) {
-    const LaneRow* rows = placement_.Shape(shape);
-    return {Load3(rows + 3), Load3(rows + 6), Load3(rows + 9), Fill(ShapeAt(shape).half)};
+    return {placement_.AxisOf(shape, 0), placement_.AxisOf(shape, 1), placement_.AxisOf(shape, 2),
+            Fill(ShapeAt(shape).half)};
   }
   HWY_INLINE Half HalfOf(int segment) {
-    return {Load3(placement_.Shape(segment) + 3), ShapeAt(segment).inverse};
+    return {placement_.HalfVectorOf(segment), ShapeAt(segment).inverse};
   }
   HWY_INLINE V SegmentTo(const V3& p, const Half& a, int b) {
     if (ShapeAt(b).core == BatchCore::kSegment) {

@@ -239,6 +239,7 @@ BatchShape compile_shape(Boxed box, BatchModel& model) {
   for (const Vector3d& v_B : box.vertices_B) model.vertices.push_back(to_float(v_B - middle));
   shape.core = box.core;
   shape.joint = box.joint;
+  shape.slot = box.joint < 0 ? -1 : model.moving_shapes++;
   if (box.joint < 0) {
     box.R_BJ = box.R_BJ * model.X_CW.linear().transpose();
     const Vector3d shift = box.R_BJ * model.X_CW.translation();

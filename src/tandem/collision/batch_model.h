@@ -45,6 +45,7 @@ struct BatchShape {
   BatchCore core;
   bool aligned;  ///< Stands still, with the axes of C: of a segment or box.
   int joint;
+  int slot;                        ///< Among the shapes that move.
   Vector3f3 p_JC;                  ///< Centre of the box.
   std::array<float, 9> R_BJ;       ///< Its axes are rows; a segment lies along the first.
   Vector3f3 half;                  ///< [m]
@@ -101,6 +102,7 @@ struct BatchModel {
   std::vector<float> levers;
   /// Known to none while they are being proven.
   std::shared_ptr<const JointMaps> joint_maps = std::make_shared<const JointMaps>();
+  int moving_shapes = 0;
   int depth = 0;  ///< Of the deepest joint.
   int dof = 0;
   float margin = 0;  ///< [m]

@@ -239,7 +239,7 @@ class PartProver {
     const BatchShape& shape = gaps_.ShapeAt(s);
     if (shape.joint == common) return hn::Zero(kFloats);
     if (shape.core == BatchCore::kSegment) {
-      const V3 center = gaps_.Center(s), u = Load3(checker_.placement().Shape(s) + 3);
+      const V3 center = gaps_.Center(s), u = checker_.placement().HalfVectorOf(s);
       const auto end = [&](const V3& p) HWY_ATTR {
         return travels_.OfPoint(p, shape.joint, common, shape.offset).Length();
       };

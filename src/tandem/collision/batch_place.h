@@ -55,14 +55,35 @@ class Placement {
     if (work_.body_time[b] < work_.now) PlaceBody(b);
     return Load3(&work_.body_centers[3 * b]);
   }
-  /// 12 rows, see Scratch::placed_shapes.
-  HWY_INLINE const LaneRow* Shape(int shape) {
-    const auto s = static_cast<std::size_t>(shape);
-    if (work_.shape_time[s] < work_.now) PlaceShape(s);
-    return &work_.placed_shapes[12 * s];
+  /// Centre of a shape's box,
+  HWY_INLINE V3 CenterOf(int shape) {
+    const BatchShape& s = ShapeAt(shape);
+    return s.joint < 0 ? Fill(s.p_JC) : Load3(Placed(s));
+  }
+  /// its axis x, y or z,
+  HWY_INLINE V3 AxisOf(int shape, int axis) {
+    const BatchShape& s = ShapeAt(shape);
+    const float* along = &s.R_BJ[3 * static_cast<std::size_t>(axis)];
+    return s.joint < 0 ? Fill({along[0], along[1], along[2]}) : Load3(Placed(s) + 3 + 3 * axis);
+  }
+  /// or the half vector of a segment.
+  HWY_INLINE V3 HalfVectorOf(int segment) {
+    const BatchShape& s = ShapeAt(segment);
+    if (s.joint >= 0) return Load3(Placed(s) + 3);
+    return Fill({s.half[0] * s.R_BJ[0], s.half[0] * s.R_BJ[1], s.half[0] * s.R_BJ[2]});
   }
 
  private:
+  HWY_INLINE const BatchShape& ShapeAt(int shape) const {
+    return model_.shapes[static_cast<std::size_t>(shape)];
+  }
+  /// 12 rows of a shape that moves, see Scratch::placed_shapes.
+  HWY_INLINE const LaneRow* Placed(const BatchShape& shape) {
+    const auto slot = static_cast<std::size_t>(shape.slot);
+    if (work_.shape_time[slot] < work_.now) PlaceShape(shape, slot);
+    return &work_.placed_shapes[12 * slot];
+  }
+
   void PlaceJoint(std::size_t j) {
     const BatchJoint& joint = model_.joints[j];
     const std::array<float, 9>& R = joint.R_PJ;
@@ -99,11 +120,10 @@ class Placement {
     work_.body_time[b] = work_.now;
   }
 
-  HWY_NOINLINE void PlaceShape(std::size_t s) {
-    const BatchShape& shape = model_.shapes[s];
+  HWY_NOINLINE void PlaceShape(const BatchShape& shape, std::size_t slot) {
     const Pose X = PoseOf(shape.joint);
     const std::array<float, 9>& R = shape.R_BJ;
-    LaneRow* rows = &work_.placed_shapes[12 * s];
+    LaneRow* rows = &work_.placed_shapes[12 * slot];
     Store3(Transform(X, shape.p_JC), rows);
     if (shape.core == BatchCore::kSegment) {
       Store3(Turn(X, shape.half[0] * R[0], shape.half[0] * R[1], shape.half[0] * R[2]), rows + 3);
@@ -112,7 +132,7 @@ class Placement {
       Store3(Turn(X, R[3], R[4], R[5]), rows + 6);
       Store3(Turn(X, R[6], R[7], R[8]), rows + 9);
     }
-    work_.shape_time[s] = work_.now;
+    work_.shape_time[slot] = work_.now;
   }
 
   BatchChecker::Scratch& work_;

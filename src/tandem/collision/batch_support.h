@@ -27,36 +27,41 @@ class Supports {
 
   HWY_INLINE V3 Of(int shape, const V3& along) {
     const BatchShape& s = model_.shapes[static_cast<std::size_t>(shape)];
-    const LaneRow* rows = placement_.Shape(shape);
-    const V3 center = Load3(rows);
+    const V3 center = placement_.CenterOf(shape);
     switch (s.core) {
       case BatchCore::kPoint:
         return center;
       case BatchCore::kSegment: {
-        const V3 u = Load3(rows + 3);
+        const V3 u = placement_.HalfVectorOf(shape);
         return MulAdd3(Toward(Fill(1), Dot(u, along)), u, center);
       }
       case BatchCore::kCylinder:
-        return center + OfCylinder(s, rows, along);
+        return center + OfCylinder(s, AxesOf(shape), along);
       case BatchCore::kPolytope:
-        return center + OfPolytope(s, rows, along);
+        return center + OfPolytope(s, AxesOf(shape), along);
       default:
-        return center + OfBox(s, rows, along);
+        return center + OfBox(s, AxesOf(shape), along);
     }
   }
 
  private:
+  struct Axes {
+    V3 x, y, z;
+  };
+  HWY_INLINE Axes AxesOf(int shape) {
+    return {placement_.AxisOf(shape, 0), placement_.AxisOf(shape, 1), placement_.AxisOf(shape, 2)};
+  }
   /// `length` with the sign of `along`.
   HWY_INLINE static V Toward(V length, V along) { return hn::CopySign(length, along); }
 
-  HWY_INLINE static V3 OfBox(const BatchShape& s, const LaneRow* rows, const V3& along) {
-    const V3 x = Load3(rows + 3), y = Load3(rows + 6), z = Load3(rows + 9);
+  HWY_INLINE static V3 OfBox(const BatchShape& s, const Axes& axes, const V3& along) {
+    const auto& [x, y, z] = axes;
     return MulAdd3(Toward(Fill(s.half[0]), Dot(x, along)), x,
                    MulAdd3(Toward(Fill(s.half[1]), Dot(y, along)), y,
                            Scale(Toward(Fill(s.half[2]), Dot(z, along)), z)));
   }
-  HWY_INLINE static V3 OfCylinder(const BatchShape& s, const LaneRow* rows, const V3& along) {
-    const V3 x = Load3(rows + 3), y = Load3(rows + 6), z = Load3(rows + 9);
+  HWY_INLINE static V3 OfCylinder(const BatchShape& s, const Axes& axes, const V3& along) {
+    const auto& [x, y, z] = axes;
     // By its coordinates, the rim's point is one of the rim however the direction is rounded.
     const V of_y = Dot(y, along), of_z = Dot(z, along);
     const V scale =
@@ -64,8 +69,8 @@ class Supports {
     return MulAdd3(Toward(Fill(s.half[0]), Dot(x, along)), x,
                    MulAdd3(hn::Mul(scale, of_y), y, Scale(hn::Mul(scale, of_z), z)));
   }
-  HWY_INLINE V3 OfPolytope(const BatchShape& s, const LaneRow* rows, const V3& along) const {
-    const V3 x = Load3(rows + 3), y = Load3(rows + 6), z = Load3(rows + 9);
+  HWY_INLINE V3 OfPolytope(const BatchShape& s, const Axes& axes, const V3& along) const {
+    const auto& [x, y, z] = axes;
     const V3 along_B{Dot(x, along), Dot(y, along), Dot(z, along)};
     const Vector3f3* vertices = &model_.vertices[static_cast<std::size_t>(s.first_vertex)];
     V3 best = Fill(vertices[0]);

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -68,13 +67,13 @@ class BatchChecker::Scratch {
   const std::unique_ptr<CollisionChecker::Scratch> exact_scratch;
 
   // The placement. What is placed when first asked for has the time it was placed at.
-  static constexpr std::uint32_t kAlways = std::numeric_limits<std::uint32_t>::max();
   std::uint32_t now = 0;
   std::vector<LaneRow> values;         ///< Of joints.
   std::vector<LaneRow> poses;          ///< Of joints: x, y, z axes and origin in C, 12 rows each.
   std::vector<LaneRow> group_centers;  ///< 3 rows each, as for bodies.
   std::vector<LaneRow> body_centers;
-  /// 12 rows each: centre, then the half vector of a segment or the axes of the box.
+  /// Of those that move, 12 rows each: centre, then the half vector of a segment or the axes of the
+  /// box.
   std::vector<LaneRow> placed_shapes;
   std::vector<std::uint32_t> body_time, shape_time;
 

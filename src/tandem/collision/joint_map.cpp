@@ -175,7 +175,7 @@ JointRooms rooms_to_prove(const BatchModel& model, const world::Workcell& cell, 
     for (BatchShape& shape : rooms.bodies.back()) {
       const auto vertex = model.vertices.begin() + shape.first_vertex;
       rooms.vertices.insert(rooms.vertices.end(), vertex, vertex + shape.vertex_count);
-      shape.joint = shape.first_vertex = 0;
+      shape.joint = shape.slot = shape.first_vertex = 0;
     }
   }
   for (const int i : selection) {
