@@ -3,7 +3,7 @@
 namespace tandem::collision {
 
 CompiledCell::CompiledCell(std::shared_ptr<const world::Workcell> cell, const CompiledCell* like)
-    : cell_(std::move(cell)), exact_(cell_) {
+    : cell_(std::move(cell)), exact_(cell_, like ? &like->exact_ : nullptr) {
   if (!like) return;
   const std::lock_guard lock(like->known_->mutex);
   known_->joint_maps = like->known_->joint_maps;

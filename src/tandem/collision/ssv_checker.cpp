@@ -155,9 +155,10 @@ PairClearance nearest_of_all(SsvScratch& scratch) {
 
 }  // namespace
 
-SsvChecker::SsvChecker(std::shared_ptr<const world::Workcell> cell) : cell_(std::move(cell)) {
+SsvChecker::SsvChecker(std::shared_ptr<const world::Workcell> cell, const SsvChecker* like)
+    : cell_(std::move(cell)) {
   expects(cell_ != nullptr, "a checker needs a cell");
-  model_ = std::make_unique<const SsvModel>(*cell_);
+  model_ = std::make_unique<const SsvModel>(*cell_, like);
 }
 
 SsvChecker::~SsvChecker() = default;

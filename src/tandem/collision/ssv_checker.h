@@ -11,7 +11,10 @@ struct SsvModel;
 /// Ref: docs/methods.md, "Swept sphere volumes".
 class SsvChecker final : public CollisionChecker {
  public:
-  explicit SsvChecker(std::shared_ptr<const world::Workcell> cell);
+  /// @param like  of the same cell in another state, or of one with the same robots: bodies that
+  ///   are the same are not compiled anew.
+  explicit SsvChecker(std::shared_ptr<const world::Workcell> cell,
+                      const SsvChecker* like = nullptr);
   ~SsvChecker() override;
 
   const world::Workcell& cell() const override { return *cell_; }

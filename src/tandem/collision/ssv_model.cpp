@@ -5,6 +5,7 @@
 
 #include "tandem/collision/link_frame.h"
 #include "tandem/collision/ssv_field.h"
+#include "tandem/collision/ssv_known.h"
 
 namespace tandem::collision {
 
@@ -76,11 +77,13 @@ bool any_solid(const world::Workcell& cell) {
 
 }  // namespace
 
-SsvModel::SsvModel(const world::Workcell& cell) : dof(cell.dof()) {
-  const std::vector<LinkFrame> frames = add_joints(cell, *this);
-  const bool with_anchors = any_solid(cell);
+SsvModel::SsvModel(const world::Workcell& cell, const SsvChecker* like) : dof(cell.dof()) {
+  frames = add_joints(cell, *this);
+  with_anchors = any_solid(cell);
+  SsvKnown known(like);
   for (const world::Body& body : cell.bodies()) {
     const LinkFrame& frame = frames[static_cast<std::size_t>(body.link)];
+    if (known.add(body, frame, *this)) continue;
     add_body(body, frame.joint, frame.X_JL, with_anchors, *this);
   }
   nodes.shrink_to_fit();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "tandem/collision/link_frame.h"
 #include "tandem/collision/ssv_checker.h"
 #include "tandem/core/contract.h"
 
@@ -97,7 +98,12 @@ struct SsvModel {
   int node_slots = 0, shape_slots = 0;
   std::shared_ptr<const SsvField> field;  ///< Of the pairs.
 
-  explicit SsvModel(const world::Workcell& cell);
+  std::vector<LinkFrame> frames;  ///< By link of the cell.
+  bool with_anchors = false;
+  int taken_over = 0;  ///< Bodies that were compiled before, see SsvKnown.
+
+  /// @param like  of a cell that may have bodies in common with this one.
+  explicit SsvModel(const world::Workcell& cell, const SsvChecker* like = nullptr);
   const SsvPair& pair(int index) const {
     expects(0 <= index && index < static_cast<int>(pairs.size()),
             "a selection holds indices into pairs()");
