@@ -175,7 +175,8 @@ JointRooms rooms_to_prove(const BatchModel& model, const world::Workcell& cell, 
     for (BatchShape& shape : rooms.bodies.back()) {
       const auto vertex = model.vertices.begin() + shape.first_vertex;
       rooms.vertices.insert(rooms.vertices.end(), vertex, vertex + shape.vertex_count);
-      shape.joint = shape.slot = shape.first_vertex = 0;
+      shape.joint = body.joint == map.group_a ? 0 : 1;  // Which group, whatever its number.
+      shape.slot = shape.first_vertex = 0;
     }
   }
   for (const int i : selection) {

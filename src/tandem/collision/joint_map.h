@@ -15,7 +15,7 @@ struct JointRooms {
     bool operator==(const Step&) const = default;
   };
   std::vector<Step> down_a, down_b;
-  std::vector<std::vector<BatchShape>> bodies;  ///< Of both groups, their indices left out.
+  std::vector<std::vector<BatchShape>> bodies;  ///< Of both groups; `joint` tells which.
   std::vector<Vector3f3> vertices;              ///< Of all these.
   std::vector<std::array<int, 2>> pairs;        ///< Of these.
 
